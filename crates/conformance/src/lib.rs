@@ -1,0 +1,1 @@
+//! Proves the renderer against closed forms, references and itself.

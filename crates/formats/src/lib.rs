@@ -1,0 +1,10 @@
+//! Scenes and images from files, and images to files.
+//!
+//! This crate is the only door for untrusted bytes: whatever they are, it
+//! returns a value or an error and never panics.
+
+mod error;
+mod limits;
+
+pub use error::{ImageError, SceneError, SceneErrorKind, Source};
+pub use limits::Limits;

@@ -1,0 +1,24 @@
+//! Where rays meet geometry.
+//!
+//! This is the lowest floor of Rutilant: it knows rays, boxes, triangles,
+//! spheres, disks and the tree that finds the nearest of them. It knows no
+//! scene, no colour and no light.
+//!
+//! Two promises hold for every function here. Results have the same bits on
+//! every machine and for any number of threads ([`real`] replaces the standard
+//! library's transcendental functions for that). And whether a ray meets a
+//! surface is decided in double precision on the stored single-precision
+//! numbers, so that closed meshes have no cracks and a ray that leaves a
+//! surface by [`offset_origin`] never meets that surface again.
+
+pub mod aabb;
+pub mod frame;
+pub mod ray;
+pub mod real;
+pub mod transform;
+
+pub use aabb::Aabb;
+pub use frame::Frame;
+pub use glam::{Mat3, Vec2, Vec3};
+pub use ray::{Ray, offset_origin};
+pub use transform::Transform;

@@ -1,0 +1,5 @@
+//! How a surface scatters light at a point.
+
+mod fresnel;
+
+pub use fresnel::Fresnel;

@@ -1,0 +1,5 @@
+//! Where samples become pixels.
+
+mod filter;
+
+pub use filter::Filter;

@@ -1,0 +1,47 @@
+//! What light comes from: lights without a surface, the environment, and surfaces that glow.
+
+mod environment;
+
+pub use environment::{Environment, EnvironmentLight};
+
+use crate::color::Rgb;
+use crate::scene::{FINITE, NOT_NEGATIVE, Place, SceneProblem};
+use rutilant_geom::Vec3;
+
+/// A light without a surface. It cannot be seen, only its light can.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Shines from one point, equally in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// Intensity in W/sr, per channel.
+        intensity: Rgb,
+    },
+    /// Shines along one direction, from infinitely far away.
+    Directional {
+        /// Where its light goes; any length but 0.
+        direction: Vec3,
+        /// Irradiance in W/m² on a surface that faces it, per channel.
+        irradiance: Rgb,
+    },
+}
+
+impl Light {
+    pub(crate) fn validate(&self, index: usize) -> Result<(), SceneProblem> {
+        let place = Place::Light(index);
+        match *self {
+            Self::Point { position, intensity } => {
+                place.check("position", position.to_array(), FINITE)?;
+                place.check("intensity", intensity.0, NOT_NEGATIVE)
+            }
+            Self::Directional { direction, irradiance } => {
+                place.check("direction", direction.to_array(), FINITE)?;
+                if direction.try_normalize().is_none() {
+                    return Err(place.problem("direction", "direction has no length"));
+                }
+                place.check("irradiance", irradiance.0, NOT_NEGATIVE)
+            }
+        }
+    }
+}

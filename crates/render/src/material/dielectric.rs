@@ -1,0 +1,98 @@
+//! Glass, water, gems: a smooth border between two clear media.
+
+use crate::bsdf::Fresnel;
+use crate::color::{Rgb, Spectrum};
+use crate::scene::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
+use rutilant_geom::real;
+
+/// A smooth border. The interior is where the surface normals point away from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// What is inside, glass of index 1.5 for example.
+    pub interior: Medium,
+    /// What is outside, most often air.
+    pub exterior: Medium,
+    /// How the reflected part is computed.
+    pub fresnel: Fresnel,
+}
+
+/// A clear medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// Index of refraction, 1 for air, at least 1.
+    pub ior: f32,
+    /// The colour that light takes on inside.
+    pub absorption: Absorption,
+}
+
+/// How light fades on its way through a medium (Beer's law).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absorption {
+    /// Not at all.
+    None,
+    /// To exp(−σ d) after a distance d: σ per metre, 0 or more.
+    Coefficient(Rgb),
+    /// To `color` (above 0, at most 1) after `distance` metres.
+    ColorAtDistance {
+        /// What is left of white light.
+        color: Rgb,
+        /// After how far, in metres.
+        distance: f32,
+    },
+}
+
+/// The highest index of refraction accepted; diamond has 2.42, germanium 4.
+const MAX_IOR: f32 = 10.0;
+
+impl Medium {
+    /// Air, or nothing.
+    pub const AIR: Self = Self { ior: 1.0, absorption: Absorption::None };
+
+    fn validate(
+        &self,
+        place: Place,
+        ior: &'static str,
+        absorption: bool,
+    ) -> Result<(), SceneProblem> {
+        place.check(ior, [self.ior], 1.0..=MAX_IOR)?;
+        let key = |name| if absorption { name } else { ior };
+        match self.absorption {
+            Absorption::None => Ok(()),
+            Absorption::Coefficient(sigma) => place.check(key("sigma_a"), sigma.0, NOT_NEGATIVE),
+            Absorption::ColorAtDistance { color, distance } => {
+                place.check(key("absorption_color"), color.0, f32::MIN_POSITIVE..=1.0)?;
+                place.check(key("absorption_distance"), [distance], POSITIVE)
+            }
+        }
+    }
+}
+
+impl Absorption {
+    /// The absorption coefficient σ in 1/m.
+    pub fn coefficient(&self) -> Spectrum {
+        match *self {
+            Self::None => Spectrum::BLACK,
+            Self::Coefficient(sigma) => sigma.into(),
+            // The sum with zero makes −0 a plain 0.
+            Self::ColorAtDistance { color, distance } => {
+                Spectrum::from(color).map(|c| -real::ln(c) / distance + 0.0)
+            }
+        }
+    }
+}
+
+impl Dielectric {
+    /// Clear glass of some index in air, with the exact Fresnel equations.
+    pub fn new(ior: f32) -> Self {
+        Self {
+            interior: Medium { ior, absorption: Absorption::None },
+            exterior: Medium::AIR,
+            fresnel: Fresnel::Exact,
+        }
+    }
+
+    pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
+        self.interior.validate(place, "ior", true)?;
+        self.exterior.validate(place, "exterior_ior", false)
+    }
+}

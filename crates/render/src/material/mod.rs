@@ -1,0 +1,97 @@
+//! How surfaces look: what an author writes, and the lobes that come of it.
+
+mod conductor;
+mod dielectric;
+mod emission;
+mod matte;
+mod mirror;
+mod mix;
+
+pub use conductor::Conductor;
+pub use dielectric::{Absorption, Dielectric, Medium};
+pub use emission::{Emission, EmittedLight};
+pub use matte::Matte;
+pub use mirror::Mirror;
+pub use mix::Mix;
+
+use crate::scene::{Place, SceneProblem};
+
+/// A surface: how it scatters, and the light it gives by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// What the author calls it; may be empty.
+    pub name: String,
+    /// How it scatters light.
+    pub kind: MaterialKind,
+    /// The light it gives; none if `None`.
+    pub emission: Option<Emission>,
+}
+
+/// How a surface scatters light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// Absorbs everything; lamps are often this.
+    Black,
+    /// Equally bright from everywhere.
+    Matte(Matte),
+    /// A perfect mirror of a given colour.
+    Mirror(Mirror),
+    /// Smooth metal.
+    Conductor(Conductor),
+    /// Glass, water: smooth and clear, with or without colour.
+    Dielectric(Dielectric),
+    /// Two other materials in some proportion.
+    Mix(Mix),
+}
+
+impl Material {
+    /// A material without a name that gives no light.
+    pub fn new(kind: MaterialKind) -> Self {
+        Self { name: String::new(), kind, emission: None }
+    }
+
+    /// The same material under a name.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The same material, giving light.
+    #[must_use]
+    pub fn emitting(mut self, emission: Emission) -> Self {
+        self.emission = Some(emission);
+        self
+    }
+
+    pub(crate) fn validate(&self, index: usize, all: &[Self]) -> Result<(), SceneProblem> {
+        let place = Place::Material(index);
+        match &self.kind {
+            MaterialKind::Black => {}
+            MaterialKind::Matte(m) => m.validate(place)?,
+            MaterialKind::Mirror(m) => m.validate(place)?,
+            MaterialKind::Conductor(m) => m.validate(place)?,
+            MaterialKind::Dielectric(m) => m.validate(place)?,
+            MaterialKind::Mix(m) => m.validate(place, all)?,
+        }
+        self.emission.as_ref().map_or(Ok(()), |e| e.validate(place))
+    }
+}
+
+macro_rules! material_from {
+    ($($kind:ident),*) => {$(
+        impl From<$kind> for Material {
+            fn from(kind: $kind) -> Self {
+                Self::new(MaterialKind::$kind(kind))
+            }
+        }
+    )*};
+}
+material_from!(Matte, Mirror, Conductor, Dielectric, Mix);
+
+impl From<Emission> for Material {
+    /// A black surface that gives light: a lamp.
+    fn from(emission: Emission) -> Self {
+        Self::new(MaterialKind::Black).emitting(emission)
+    }
+}

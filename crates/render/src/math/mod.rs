@@ -1,0 +1,3 @@
+//! Small mathematics shared by everything above geometry.
+
+pub mod warp;

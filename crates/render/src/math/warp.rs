@@ -1,0 +1,71 @@
+//! Maps from the unit square to where samples are wanted, with their densities.
+//!
+//! Every map takes two numbers in [0, 1) and keeps near points near, so that
+//! well-spread samples stay well spread.
+//!
+//! Source: Shirley and Chiu 1997 (disk); Pharr, Jakob, Humphreys, *Physically
+//! Based Rendering*, 4th ed., appendix A.5.
+
+use rutilant_geom::{Vec2, Vec3, real};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
+
+/// A point on the unit disk, uniform over its area.
+pub fn concentric_disk(u: Vec2) -> Vec2 {
+    let p = 2.0 * u - Vec2::ONE;
+    if p == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if p.x.abs() > p.y.abs() {
+        (p.x, FRAC_PI_4 * (p.y / p.x))
+    } else {
+        (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
+    };
+    let (sin, cos) = real::sin_cos(angle);
+    radius * Vec2::new(cos, sin)
+}
+
+/// A direction with z ≥ 0, in proportion to its cosine with +z.
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let d = concentric_disk(u);
+    Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// The density of [`cosine_hemisphere`] in 1/sr, where `cos` is the direction's z.
+pub fn cosine_hemisphere_pdf(cos: f32) -> f32 {
+    cos.max(0.0) * FRAC_1_PI
+}
+
+/// A direction, uniform over the sphere.
+pub fn uniform_sphere(u: Vec2) -> Vec3 {
+    from_cosine(1.0 - 2.0 * u.x, 2.0 * (u.x * (1.0 - u.x)).max(0.0).sqrt(), u.y)
+}
+
+/// The density of [`uniform_sphere`] in 1/sr.
+pub const UNIFORM_SPHERE_PDF: f32 = 0.25 * FRAC_1_PI;
+
+/// A direction with z ≥ 0, uniform over the hemisphere.
+pub fn uniform_hemisphere(u: Vec2) -> Vec3 {
+    from_cosine(u.x, (1.0 - u.x * u.x).max(0.0).sqrt(), u.y)
+}
+
+/// The density of [`uniform_hemisphere`] in 1/sr.
+pub const UNIFORM_HEMISPHERE_PDF: f32 = 0.5 * FRAC_1_PI;
+
+/// Barycentric coordinates of the second and third vertex, uniform over a triangle.
+///
+/// Source: Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
+pub fn uniform_triangle(u: Vec2) -> Vec2 {
+    if u.y > u.x {
+        let x = 0.5 * u.x;
+        Vec2::new(x, u.y - x)
+    } else {
+        let y = 0.5 * u.y;
+        Vec2::new(u.x - y, y)
+    }
+}
+
+/// A direction from the sine and cosine of its angle with +z, turned around it by `turn` of a circle.
+fn from_cosine(cos: f32, sin: f32, turn: f32) -> Vec3 {
+    let (s, c) = real::sin_cos(2.0 * PI * turn);
+    Vec3::new(sin * c, sin * s, cos)
+}

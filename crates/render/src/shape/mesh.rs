@@ -1,0 +1,47 @@
+//! Triangle meshes.
+
+use crate::scene::{Place, SceneProblem};
+use rutilant_geom::{Vec2, Vec3};
+
+/// Triangles that share vertices.
+///
+/// A triangle's front is where its vertices run counter-clockwise. Vertices
+/// and triangles may be NaN, infinite or degenerate: such triangles are left
+/// out and counted when the scene is prepared.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// What the author calls it; may be empty.
+    pub name: String,
+    /// Vertex positions, in metres.
+    pub positions: Vec<Vec3>,
+    /// One normal per vertex for smooth shading, any length; empty for flat triangles.
+    pub normals: Vec<Vec3>,
+    /// One texture coordinate per vertex; empty where there are none.
+    pub uvs: Vec<Vec2>,
+    /// Three vertex numbers each.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    pub(crate) fn validate(&self, index: usize) -> Result<(), SceneProblem> {
+        let place = Place::Mesh(index);
+        let count = self.positions.len();
+        for (key, length) in [("normals", self.normals.len()), ("uvs", self.uvs.len())] {
+            if length != 0 && length != count {
+                return Err(place.problem(
+                    key,
+                    format!("{length} {key} for {count} positions; give one each, or none"),
+                ));
+            }
+        }
+        match self.triangles.iter().flatten().find(|&&v| v as usize >= count) {
+            Some(v) => Err(place.problem(
+                "triangles",
+                format!(
+                    "a triangle names vertex {v}, but there are only {count} (numbered from 0)"
+                ),
+            )),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What stands in a scene: shapes, and objects that give them a place and a material.
+
+mod mesh;
+
+pub use mesh::Mesh;
+
+use crate::scene::{FINITE, MaterialId, MeshId, POSITIVE, Place, Scene, SceneProblem};
+use rutilant_geom::{Transform, Vec2, Vec3};
+
+/// A shape with a place in the world and a material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// What it is.
+    pub shape: Shape,
+    /// How it looks.
+    pub material: MaterialId,
+    /// Where it stands. Spheres need a uniform scale; everything else takes any map but a flattening one.
+    pub world_from_object: Transform,
+}
+
+/// A shape around the origin of its own space.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A triangle mesh.
+    Mesh(MeshId),
+    /// A sphere of this radius in metres; normals point outwards.
+    Sphere {
+        /// More than 0.
+        radius: f32,
+    },
+    /// A rectangle in the x-y plane around the origin; its normal is +z.
+    Rectangle {
+        /// Width along x and height along y, in metres.
+        size: Vec2,
+    },
+    /// A disk in the x-y plane around the origin; its normal is +z.
+    Disk {
+        /// More than 0, in metres.
+        radius: f32,
+    },
+    /// A box around the origin; normals point outwards.
+    Box {
+        /// Its sides along x, y and z, in metres.
+        size: Vec3,
+    },
+}
+
+impl Object {
+    /// A shape as it is, with a material.
+    pub fn new(shape: Shape, material: MaterialId) -> Self {
+        Self { shape, material, world_from_object: Transform::IDENTITY }
+    }
+
+    /// The same object somewhere else: `transform` applied after what it had.
+    #[must_use]
+    pub fn transformed(mut self, transform: &Transform) -> Self {
+        self.world_from_object = *transform * self.world_from_object;
+        self
+    }
+
+    pub(crate) fn validate(&self, index: usize, scene: &Scene) -> Result<(), SceneProblem> {
+        let place = Place::Object(index);
+        if scene.materials.get(self.material.0 as usize).is_none() {
+            return Err(place
+                .problem("material", format!("there is no material number {}", self.material.0)));
+        }
+        match self.shape {
+            Shape::Mesh(id) if scene.meshes.get(id.0 as usize).is_none() => {
+                return Err(place.problem("file", format!("there is no mesh number {}", id.0)));
+            }
+            Shape::Mesh(_) => {}
+            Shape::Sphere { radius } | Shape::Disk { radius } => {
+                place.check("radius", [radius], POSITIVE)?
+            }
+            Shape::Rectangle { size } => place.check("size", size.to_array(), POSITIVE)?,
+            Shape::Box { size } => place.check("size", size.to_array(), POSITIVE)?,
+        }
+        let world_from_object = &self.world_from_object;
+        let linear = world_from_object.linear().to_cols_array();
+        place.check(
+            "transform",
+            linear.into_iter().chain(world_from_object.translation().to_array()),
+            FINITE,
+        )?;
+        if world_from_object.inverse().is_none() {
+            return Err(place.problem(
+                "transform",
+                "transform flattens the shape: a scale is 0, or too close to it",
+            ));
+        }
+        if matches!(self.shape, Shape::Sphere { .. }) && world_from_object.uniform_scale().is_none()
+        {
+            return Err(place.problem(
+                "transform",
+                "a sphere needs the same scale in all directions; use a mesh for an ellipsoid",
+            ));
+        }
+        Ok(())
+    }
+}
