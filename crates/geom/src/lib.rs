@@ -19,6 +19,6 @@ pub mod transform;
 
 pub use aabb::Aabb;
 pub use frame::Frame;
-pub use glam::{Mat3, Vec2, Vec3};
+pub use glam::{DVec3, Mat3, Vec2, Vec3};
 pub use ray::{Ray, offset_origin};
 pub use transform::Transform;
