@@ -40,7 +40,11 @@ impl Pass<'_> {
         let settings = self.settings;
         let max_depth = settings.max_depth.unwrap_or(u32::MAX);
         let selection = || {
-            EmitterSelection::new(settings.light_selection, self.scene.emitters(), self.scene.radius())
+            EmitterSelection::new(
+                settings.light_selection,
+                self.scene.emitters(),
+                self.scene.radius(),
+            )
         };
         match settings.integrator {
             IntegratorKind::Path => self.run_with(&Path {

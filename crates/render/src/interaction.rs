@@ -25,7 +25,13 @@ pub struct SurfaceInteraction {
 
 impl SurfaceInteraction {
     /// A point on a surface that is as smooth as it looks.
-    pub(crate) fn new(position: Vec3, normal: Vec3, wo: Vec3, material: u32, emitter: Option<u32>) -> Self {
+    pub(crate) fn new(
+        position: Vec3,
+        normal: Vec3,
+        wo: Vec3,
+        material: u32,
+        emitter: Option<u32>,
+    ) -> Self {
         let shading = Frame::around(normal);
         Self { position, normal, wo, shading, smooth_position: position, material, emitter }
     }
@@ -36,7 +42,8 @@ impl SurfaceInteraction {
         let Some(normal) = normal.try_normalize() else { return self };
         let normal = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
         let seen_side = if self.wo.dot(self.normal) < 0.0 { -1.0 } else { 1.0 };
-        let bent = seen_side * consistent_normal(seen_side * normal, seen_side * self.normal, self.wo);
+        let bent =
+            seen_side * consistent_normal(seen_side * normal, seen_side * self.normal, self.wo);
 
         // Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4: the point is
         // lifted out of each vertex's tangent plane that lies above it.
@@ -91,7 +98,10 @@ mod tests {
     fn bent_normals_keep_both_directions_above_the_surface() {
         for i in 0..10_000 {
             let turn = |k: u32| {
-                let word = (i as u32 + 1).wrapping_mul(0x9e37_79b9).rotate_left(k).wrapping_mul(0x85eb_ca6b);
+                let word = (i as u32 + 1)
+                    .wrapping_mul(0x9e37_79b9)
+                    .rotate_left(k)
+                    .wrapping_mul(0x85eb_ca6b);
                 (word >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0
             };
             let normal = Vec3::Z;

@@ -343,7 +343,9 @@ impl Assembly {
         if is_border(material) && self.is_inside_out(first_triangle) {
             self.turn(first_triangle);
             let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
-            self.notes.push(format!("{name} is wound inside out; its triangles are turned, so that glass is inside"));
+            self.notes.push(format!(
+                "{name} is wound inside out; its triangles are turned, so that glass is inside"
+            ));
         }
 
         if !mesh.normals.is_empty() {
@@ -406,7 +408,8 @@ impl Assembly {
     /// True when the triangles from `first` on enclose a space and face into it. An open sheet,
     /// a water surface for example, encloses nothing: its areas do not cancel.
     fn is_inside_out(&self, first: usize) -> bool {
-        let origin = self.triangles.get(first).map_or(Vec3::ZERO, |t| self.positions[t[0] as usize]);
+        let origin =
+            self.triangles.get(first).map_or(Vec3::ZERO, |t| self.positions[t[0] as usize]);
         let (mut volume, mut area, mut area_sum) = (0.0, DVec3::ZERO, 0.0);
         for t in &self.triangles[first..] {
             let [a, b, c] = t.map(|v| (self.positions[v as usize] - origin).as_dvec3());
@@ -429,9 +432,12 @@ fn triangle_area([a, b, c]: [Vec3; 3]) -> f32 {
 fn box_mesh(size: Vec3) -> Mesh {
     let half = 0.5 * size;
     let positions = (0..8)
-        .map(|i| half * Vec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 })))
+        .map(|i| {
+            half * Vec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }))
+        })
         .collect();
-    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let faces =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     Mesh { name: "box".into(), positions, triangles, ..Mesh::default() }
 }

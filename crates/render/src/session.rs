@@ -67,7 +67,11 @@ impl Session {
     ///
     /// # Errors
     /// What [`Settings::validate`] finds.
-    pub fn start(scene: Arc<Prepared>, settings: Settings, threads: usize) -> Result<Self, SceneProblem> {
+    pub fn start(
+        scene: Arc<Prepared>,
+        settings: Settings,
+        threads: usize,
+    ) -> Result<Self, SceneProblem> {
         settings.validate()?;
         let shared = Arc::new(Shared {
             film: Film::new(settings.window()),
@@ -152,7 +156,8 @@ impl Session {
             let _running = Running(&shared);
             while let Some(until_sample) = shared.next_pass() {
                 let Shared { scene, settings, film, threads, stop, counters, .. } = &*shared;
-                Pass { scene, settings, film, until_sample, threads: *threads, stop, counters }.run();
+                Pass { scene, settings, film, until_sample, threads: *threads, stop, counters }
+                    .run();
             }
         }));
     }

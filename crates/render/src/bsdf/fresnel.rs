@@ -95,7 +95,10 @@ mod tests {
                     }
                 };
                 let (got, _) = Fresnel::Exact.dielectric(cosine(degrees), (to / from) as f32);
-                assert!((f64::from(got) - expected).abs() < 2e-5, "{from}->{to} at {degrees}: {got} {expected}");
+                assert!(
+                    (f64::from(got) - expected).abs() < 2e-5,
+                    "{from}->{to} at {degrees}: {got} {expected}"
+                );
             }
         }
         let at_60 = |f: Fresnel| f.dielectric(0.5, 1.5).0;
@@ -126,7 +129,11 @@ mod tests {
                     f64::from(fresnel.dielectric(cos2.sqrt() as f32, 1.5).0)
                 })
                 .sum();
-            assert!((sum / f64::from(n) - expected).abs() < 5e-5, "{fresnel:?}: {}", sum / f64::from(n));
+            assert!(
+                (sum / f64::from(n) - expected).abs() < 5e-5,
+                "{fresnel:?}: {}",
+                sum / f64::from(n)
+            );
         }
     }
 
@@ -138,7 +145,8 @@ mod tests {
             let (dielectric, _) = Fresnel::Exact.dielectric(cos, 1.5);
             assert!((conductor(cos, 1.5, 0.0) - dielectric).abs() < 1e-5, "{cos}");
         }
-        let gold_red = ((0.143 - 1.0_f32) * (0.143 - 1.0) + 3.98 * 3.98) / ((0.143 + 1.0) * (0.143 + 1.0) + 3.98 * 3.98);
+        let gold_red = ((0.143 - 1.0_f32) * (0.143 - 1.0) + 3.98 * 3.98)
+            / ((0.143 + 1.0) * (0.143 + 1.0) + 3.98 * 3.98);
         assert!((conductor(1.0, 0.143, 3.98) - gold_red).abs() < 1e-6);
     }
 
@@ -149,7 +157,10 @@ mod tests {
             for eta in [0.1, 1.0, 1.5, 10.0] {
                 for f in [Fresnel::Exact, Fresnel::Schlick] {
                     let (r, t) = f.dielectric(cos, eta);
-                    assert!((0.0..=1.0).contains(&r) && (0.0..=1.0).contains(&t), "{cos} {eta} {r} {t}");
+                    assert!(
+                        (0.0..=1.0).contains(&r) && (0.0..=1.0).contains(&t),
+                        "{cos} {eta} {r} {t}"
+                    );
                 }
                 for k in [0.0, 1e-3, 3.0, 100.0] {
                     assert!((0.0..=1.0).contains(&conductor(cos, eta, k)), "{cos} {eta} {k}");

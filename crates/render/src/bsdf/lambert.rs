@@ -23,11 +23,7 @@ pub struct Lambert {
 impl Lambert {
     /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr.
     pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
-        if wo.z * wi.z > 0.0 {
-            self.albedo * (FRAC_1_PI * wi.z.abs())
-        } else {
-            Spectrum::BLACK
-        }
+        if wo.z * wi.z > 0.0 { self.albedo * (FRAC_1_PI * wi.z.abs()) } else { Spectrum::BLACK }
     }
 
     /// The density of [`sample`](Self::sample), in 1/sr.

@@ -105,7 +105,9 @@ fn mitchell(x: f32, b: f32, c: f32) -> f32 {
     if x < 1.0 {
         (12.0 - 9.0 * b - 6.0 * c) * x3 + (-18.0 + 12.0 * b + 6.0 * c) * x2 + (6.0 - 2.0 * b)
     } else {
-        (-b - 6.0 * c) * x3 + (6.0 * b + 30.0 * c) * x2 + (-12.0 * b - 48.0 * c) * x
+        (-b - 6.0 * c) * x3
+            + (6.0 * b + 30.0 * c) * x2
+            + (-12.0 * b - 48.0 * c) * x
             + (8.0 * b + 24.0 * c)
     }
 }
@@ -131,9 +133,10 @@ impl FilterSampler {
         let radius = filter.radius();
         let count = match filter {
             Filter::Box { .. } => 1,
-            Filter::Tent { .. } | Filter::Gaussian { .. } | Filter::Mitchell { .. } | Filter::BlackmanHarris { .. } => {
-                Self::INTERVALS
-            }
+            Filter::Tent { .. }
+            | Filter::Gaussian { .. }
+            | Filter::Mitchell { .. }
+            | Filter::BlackmanHarris { .. } => Self::INTERVALS,
         };
         let step = 2.0 * f64::from(radius) / count as f64;
         let value = |i: usize| {
@@ -200,7 +203,10 @@ mod tests {
                     .sum::<f64>()
                     / f64::from(n);
                 let expected = integral(edge) / integral(radius);
-                assert!((drawn - expected).abs() < 2e-3, "{filter:?} at {edge}: {drawn} {expected}");
+                assert!(
+                    (drawn - expected).abs() < 2e-3,
+                    "{filter:?} at {edge}: {drawn} {expected}"
+                );
             }
         }
     }

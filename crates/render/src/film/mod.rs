@@ -156,8 +156,7 @@ impl Film {
     }
 
     pub(crate) fn dropped(&self) -> Dropped {
-        (0..self.tile_count())
-            .fold(Dropped::default(), |sum, i| sum.merge(self.tile(i).dropped))
+        (0..self.tile_count()).fold(Dropped::default(), |sum, i| sum.merge(self.tile(i).dropped))
     }
 
     /// The picture so far: `R`, `G`, `B`, and the variances of these means as `variance.R` and so on.

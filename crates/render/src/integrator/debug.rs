@@ -47,7 +47,13 @@ impl Integrator for Depth {
 pub(crate) struct AmbientOcclusion;
 
 impl Integrator for AmbientOcclusion {
-    fn radiance<S: Sampler>(&self, scene: &Prepared, ray: Ray, sampler: &S, rays: &mut u64) -> Spectrum {
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum {
         *rays += 1;
         let Some(hit) = scene.closest(&ray) else { return Spectrum::WHITE };
         let at = scene.interaction(&hit, ray.direction);

@@ -19,10 +19,17 @@ pub(crate) struct Direct {
 }
 
 impl Integrator for Direct {
-    fn radiance<S: Sampler>(&self, scene: &Prepared, ray: Ray, sampler: &S, rays: &mut u64) -> Spectrum {
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum {
         *rays += 1;
         let Some(hit) = scene.closest(&ray) else {
-            return SeenEmission::of_sky(scene, ray.direction).map_or(Spectrum::BLACK, |s| s.radiance);
+            return SeenEmission::of_sky(scene, ray.direction)
+                .map_or(Spectrum::BLACK, |s| s.radiance);
         };
         let at = scene.interaction(&hit, ray.direction);
         let bsdf = scene.material(&at).bsdf;
@@ -42,7 +49,8 @@ impl Integrator for Direct {
         let origin = at.reflected_origin();
         if let Some((emitter, pmf)) = self.selection.select(origin, sampler.d1(bounce.light()))
             && !bsdf.is_delta()
-            && let Some(light) = scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))
+            && let Some(light) =
+                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))
         {
             *rays += 1;
             if !scene.occluded(&light.shadow_ray(origin)) {
@@ -59,9 +67,10 @@ impl Integrator for Direct {
             let ray = Ray::new(origin, at.shading.to_world(sample.wi).normalize());
             *rays += 1;
             let (seen, distance) = match scene.closest(&ray) {
-                Some(hit) => {
-                    (SeenEmission::of_surface(scene, &scene.interaction(&hit, ray.direction)), hit.t)
-                }
+                Some(hit) => (
+                    SeenEmission::of_surface(scene, &scene.interaction(&hit, ray.direction)),
+                    hit.t,
+                ),
                 None => (SeenEmission::of_sky(scene, ray.direction), f32::INFINITY),
             };
             let medium = side((wo.z > 0.0) != crossed);

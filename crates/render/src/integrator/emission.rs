@@ -34,7 +34,13 @@ impl SeenEmission {
     }
 
     /// The density, in 1/sr, with which light sampling at `from` would have chosen `wi`.
-    pub(super) fn light_pdf(&self, scene: &Prepared, selection: &EmitterSelection, from: Vec3, wi: Vec3) -> f32 {
+    pub(super) fn light_pdf(
+        &self,
+        scene: &Prepared,
+        selection: &EmitterSelection,
+        from: Vec3,
+        wi: Vec3,
+    ) -> f32 {
         selection.pmf(from, self.emitter)
             * scene.emitters()[self.emitter].pdf(from, wi, self.position, self.normal)
     }

@@ -20,7 +20,13 @@ use rutilant_geom::Ray;
 pub(crate) trait Integrator: Sync {
     /// The radiance arriving along `ray` (of unit direction), in W/(m² sr), or what else the
     /// integrator shows. Counts the rays it traces.
-    fn radiance<S: Sampler>(&self, scene: &Prepared, ray: Ray, sampler: &S, rays: &mut u64) -> Spectrum;
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum;
 }
 
 /// The decisions along a path, each with numbers of its own.

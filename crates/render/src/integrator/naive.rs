@@ -23,7 +23,13 @@ pub(crate) struct Naive {
 const SURVIVAL: (u32, f32) = (6, 0.7);
 
 impl Integrator for Naive {
-    fn radiance<S: Sampler>(&self, scene: &Prepared, camera_ray: Ray, sampler: &S, rays: &mut u64) -> Spectrum {
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        camera_ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum {
         let mut radiance = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
         let mut absorption = Spectrum::BLACK;
@@ -32,7 +38,8 @@ impl Integrator for Naive {
             *rays += 1;
             let Some(hit) = scene.closest(&ray) else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
-                    radiance += throughput * transmittance(absorption, f32::INFINITY) * sky.radiance;
+                    radiance +=
+                        throughput * transmittance(absorption, f32::INFINITY) * sky.radiance;
                 }
                 break;
             };

@@ -42,7 +42,13 @@ struct Previous {
 }
 
 impl Integrator for Path {
-    fn radiance<S: Sampler>(&self, scene: &Prepared, camera_ray: Ray, sampler: &S, rays: &mut u64) -> Spectrum {
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        camera_ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum {
         let mut radiance = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
         let mut ray = camera_ray;
@@ -83,7 +89,8 @@ impl Integrator for Path {
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);
             if !material.bsdf.is_delta() {
-                radiance += throughput * self.direct_light(scene, &at, material, absorption, sampler, bounce, rays);
+                radiance += throughput
+                    * self.direct_light(scene, &at, material, absorption, sampler, bounce, rays);
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -117,7 +124,13 @@ impl Integrator for Path {
 
 impl Path {
     /// Emission that a ray ran into, times the share that BSDF sampling has in finding it.
-    fn weighted(&self, scene: &Prepared, seen: &SeenEmission, ray: &Ray, previous: Option<&Previous>) -> Spectrum {
+    fn weighted(
+        &self,
+        scene: &Prepared,
+        seen: &SeenEmission,
+        ray: &Ray,
+        previous: Option<&Previous>,
+    ) -> Spectrum {
         let share = match previous {
             None => 1.0,
             Some(p) if p.delta => 1.0,
@@ -125,7 +138,8 @@ impl Path {
                 Strategy::BsdfOnly => 1.0,
                 Strategy::LightOnly => 0.0,
                 Strategy::Both => {
-                    let light_pdf = seen.light_pdf(scene, &self.selection, p.position, ray.direction);
+                    let light_pdf =
+                        seen.light_pdf(scene, &self.selection, p.position, ray.direction);
                     self.heuristic.share(p.pdf, light_pdf)
                 }
             },
@@ -149,7 +163,8 @@ impl Path {
         let origin = at.reflected_origin();
         let arriving = || {
             let (emitter, pmf) = self.selection.select(origin, sampler.d1(bounce.light()))?;
-            let light = scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))?;
+            let light =
+                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))?;
             let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
             let scattered = material.bsdf.eval_cos(wo, wi);
             let pdf = pmf * light.pdf;
@@ -172,7 +187,13 @@ impl Path {
     }
 
     /// The probability with which a path goes on after its `depth`-th segment.
-    fn survival(&self, depth: u32, worth: Spectrum, material: &PreparedMaterial, delta: bool) -> f32 {
+    fn survival(
+        &self,
+        depth: u32,
+        worth: Spectrum,
+        material: &PreparedMaterial,
+        delta: bool,
+    ) -> f32 {
         match self.roulette {
             Roulette::Off => 1.0,
             Roulette::Albedo if delta => 1.0,

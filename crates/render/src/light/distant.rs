@@ -16,7 +16,13 @@ pub struct DistantEmitter {
 
 impl DistantEmitter {
     pub(super) fn sample(&self) -> EmitterSample {
-        EmitterSample { wi: self.towards, radiance: self.irradiance, pdf: 1.0, delta: true, end: None }
+        EmitterSample {
+            wi: self.towards,
+            radiance: self.irradiance,
+            pdf: 1.0,
+            delta: true,
+            end: None,
+        }
     }
 
     pub(super) fn power(&self, scene_radius: f32) -> Spectrum {

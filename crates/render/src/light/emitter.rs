@@ -53,7 +53,13 @@ impl Glow {
 
     /// The sample that stands for `point` on the surface, drawn with density `1 / area`, seen
     /// from `from`. `None` where no light arrives.
-    pub(super) fn sample_at(&self, from: Vec3, point: Vec3, normal: Vec3, area: f32) -> Option<EmitterSample> {
+    pub(super) fn sample_at(
+        &self,
+        from: Vec3,
+        point: Vec3,
+        normal: Vec3,
+        area: f32,
+    ) -> Option<EmitterSample> {
         let way = point - from;
         let wi = way.try_normalize()?;
         let radiance = self.towards(-wi, normal);

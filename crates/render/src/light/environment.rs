@@ -88,9 +88,13 @@ impl EnvironmentEmitter {
     /// pixels were negative or no numbers; these give no light.
     pub(crate) fn new(environment: &Environment, images: &[Image]) -> (Self, usize) {
         let (sky, mended) = match environment.light {
-            EnvironmentLight::Constant(rgb) => (Sky::Constant(Spectrum::from(rgb) * environment.scale), 0),
+            EnvironmentLight::Constant(rgb) => {
+                (Sky::Constant(Spectrum::from(rgb) * environment.scale), 0)
+            }
             EnvironmentLight::Image(id) => SkyMap::new(&images[id.0 as usize], environment.scale)
-                .map_or((Sky::Constant(Spectrum::BLACK), 0), |(map, mended)| (Sky::Map(map), mended)),
+                .map_or((Sky::Constant(Spectrum::BLACK), 0), |(map, mended)| {
+                    (Sky::Map(map), mended)
+                }),
         };
         (Self { sky, turn: real::sin_cos(environment.rotation) }, mended)
     }
@@ -106,15 +110,22 @@ impl EnvironmentEmitter {
     /// Draws a direction that light comes from.
     pub fn sample(&self, u: Vec2) -> Option<EmitterSample> {
         let (wi, radiance, pdf) = match &self.sky {
-            Sky::Constant(radiance) => (warp::uniform_sphere(u), *radiance, warp::UNIFORM_SPHERE_PDF),
+            Sky::Constant(radiance) => {
+                (warp::uniform_sphere(u), *radiance, warp::UNIFORM_SPHERE_PDF)
+            }
             Sky::Map(map) => {
                 let (uv, pdf_uv) = map.distribution.as_ref()?.sample(u)?;
                 let direction = direction_from_uv(uv);
                 (self.from_map(direction), map.radiance(uv), pdf_uv * uv_per_solid_angle(direction))
             }
         };
-        (!radiance.is_black() && pdf.is_finite() && pdf > 0.0)
-            .then_some(EmitterSample { wi, radiance, pdf, delta: false, end: None })
+        (!radiance.is_black() && pdf.is_finite() && pdf > 0.0).then_some(EmitterSample {
+            wi,
+            radiance,
+            pdf,
+            delta: false,
+            end: None,
+        })
     }
 
     /// The density with which [`sample`](Self::sample) draws the unit direction `wi`, in 1/sr.
@@ -123,7 +134,8 @@ impl EnvironmentEmitter {
             Sky::Constant(_) => warp::UNIFORM_SPHERE_PDF,
             Sky::Map(map) => {
                 let direction = self.to_map(wi);
-                let pdf_uv = map.distribution.as_ref().map_or(0.0, |d| d.pdf(uv_from_direction(direction)));
+                let pdf_uv =
+                    map.distribution.as_ref().map_or(0.0, |d| d.pdf(uv_from_direction(direction)));
                 let pdf = pdf_uv * uv_per_solid_angle(direction);
                 if pdf.is_finite() { pdf } else { 0.0 }
             }
@@ -198,7 +210,8 @@ impl SkyMap {
             .map(|rgb| {
                 let sound = rgb.iter().all(|c| (0.0..=f32::MAX).contains(c));
                 mended += usize::from(!sound);
-                Spectrum::from(rgb.map(|c| if (0.0..=f32::MAX).contains(&c) { c } else { 0.0 })) * scale
+                Spectrum::from(rgb.map(|c| if (0.0..=f32::MAX).contains(&c) { c } else { 0.0 }))
+                    * scale
             })
             .collect();
         let mut map = Self { width, height, texels, distribution: None, integral: Spectrum::BLACK };
@@ -208,14 +221,18 @@ impl SkyMap {
         let mut weights = Vec::with_capacity(width * height);
         for row in 0..height {
             let edge = |r: usize| f64::from(real::cos(PI * r as f32 / height as f32));
-            let solid_angle = (edge(row) - edge(row + 1)).abs() * 2.0 * f64::from(PI) / width as f64;
+            let solid_angle =
+                (edge(row) - edge(row + 1)).abs() * 2.0 * f64::from(PI) / width as f64;
             for column in 0..width {
                 let mean = map.texel_mean(column as isize, row as isize);
                 for (sum, c) in integral.iter_mut().zip(mean.channels()) {
                     *sum += f64::from(c) * solid_angle;
                 }
                 // Any channel counts: a lamp of pure blue has next to no luminance.
-                weights.push((f64::from(mean.luminance()) + 1e-3 * f64::from(mean.max_channel())) * solid_angle);
+                weights.push(
+                    (f64::from(mean.luminance()) + 1e-3 * f64::from(mean.max_channel()))
+                        * solid_angle,
+                );
             }
         }
         map.integral = Spectrum::from(integral.map(|c| c as f32));
@@ -237,7 +254,8 @@ impl SkyMap {
     /// The bilinear interpolant averaged over a texel: weights 1/8, 6/8, 1/8 along each axis.
     fn texel_mean(&self, column: isize, row: isize) -> Spectrum {
         let across = |row| {
-            (self.texel(column - 1, row) + self.texel(column + 1, row)) * 0.125 + self.texel(column, row) * 0.75
+            (self.texel(column - 1, row) + self.texel(column + 1, row)) * 0.125
+                + self.texel(column, row) * 0.75
         };
         (across(row - 1) + across(row + 1)) * 0.125 + across(row) * 0.75
     }
@@ -248,7 +266,8 @@ impl SkyMap {
         let corner = at.floor();
         let part = at - corner;
         let (column, row) = (corner.x as isize, corner.y as isize);
-        let across = |row| self.texel(column, row) * (1.0 - part.x) + self.texel(column + 1, row) * part.x;
+        let across =
+            |row| self.texel(column, row) * (1.0 - part.x) + self.texel(column + 1, row) * part.x;
         across(row) * (1.0 - part.y) + across(row + 1) * part.y
     }
 }

@@ -150,7 +150,11 @@ impl Emitter {
     pub fn is_infinite(&self) -> bool {
         match self {
             Self::Distant(_) | Self::Environment(_) => true,
-            Self::Point(_) | Self::Triangle(_) | Self::Parallelogram(_) | Self::Disk(_) | Self::Sphere(_) => false,
+            Self::Point(_)
+            | Self::Triangle(_)
+            | Self::Parallelogram(_)
+            | Self::Disk(_)
+            | Self::Sphere(_) => false,
         }
     }
 }

@@ -46,12 +46,19 @@ impl SphereEmitter {
         let wi = frame.to_world(Vec3::new(sin * c, sin * s, cos)).normalize();
 
         // Where it first meets the sphere, as the normal there: the angle α at the centre.
-        let cos_alpha = sin2 / cone.sin + cos * (1.0 - sin2 / (cone.sin * cone.sin)).max(0.0).sqrt();
+        let cos_alpha =
+            sin2 / cone.sin + cos * (1.0 - sin2 / (cone.sin * cone.sin)).max(0.0).sqrt();
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let normal = -frame.to_world(Vec3::new(-sin_alpha * c, -sin_alpha * s, cos_alpha));
         let normal = normal.normalize();
         let end = offset_origin(self.surface_point(normal), normal, -wi);
-        Some(EmitterSample { wi, radiance: self.glow.radiance, pdf: cone.pdf(), delta: false, end: Some(end) })
+        Some(EmitterSample {
+            wi,
+            radiance: self.glow.radiance,
+            pdf: cone.pdf(),
+            delta: false,
+            end: Some(end),
+        })
     }
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
@@ -92,8 +99,11 @@ impl Cone {
         // 1 - cos = sin² / (1 + cos) does not cancel.
         let one_minus_cos = sin2 / (1.0 + (1.0 - sin2).sqrt());
         let axis = (way / distance2.sqrt()).as_vec3();
-        (one_minus_cos as f32 > 0.0)
-            .then(|| Self { axis, sin: sin2.sqrt() as f32, one_minus_cos: one_minus_cos as f32 })
+        (one_minus_cos as f32 > 0.0).then(|| Self {
+            axis,
+            sin: sin2.sqrt() as f32,
+            one_minus_cos: one_minus_cos as f32,
+        })
     }
 
     fn pdf(&self) -> f32 {

@@ -65,7 +65,12 @@ mod tests {
     fn every_coordinate_matters() {
         fn all_different<S: Sampler>() {
             let base = S::new(1, [2, 3], 4);
-            let others = [S::new(0, [2, 3], 4), S::new(1, [3, 2], 4), S::new(1, [2, 3], 5), S::new(1, [2, 3], 4 + (1 << 32))];
+            let others = [
+                S::new(0, [2, 3], 4),
+                S::new(1, [3, 2], 4),
+                S::new(1, [2, 3], 5),
+                S::new(1, [2, 3], 4 + (1 << 32)),
+            ];
             for other in others {
                 assert_ne!(base.d1(7), other.d1(7));
                 assert_ne!(base.d2(7), other.d2(7));

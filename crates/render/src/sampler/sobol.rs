@@ -92,9 +92,15 @@ mod tests {
                     for a in 0..=m {
                         let mut seen = vec![false; 1 << m];
                         for p in &points {
-                            let (x, y) = ((p.x * (1 << a) as f32) as usize, (p.y * (1 << (m - a)) as f32) as usize);
+                            let (x, y) = (
+                                (p.x * (1 << a) as f32) as usize,
+                                (p.y * (1 << (m - a)) as f32) as usize,
+                            );
                             let cell = (y << a) + x;
-                            assert!(!std::mem::replace(&mut seen[cell], true), "m {m} run {run} interval {a}");
+                            assert!(
+                                !std::mem::replace(&mut seen[cell], true),
+                                "m {m} run {run} interval {a}"
+                            );
                         }
                     }
                 }
