@@ -3,7 +3,9 @@
 mod common;
 
 use common::{chi_square, directions, family_wise, integrate_sphere, random};
-use rutilant::bsdf::{Bsdf, Fresnel, Lambert, Lobe, PerfectMirror, SmoothConductor, SmoothDielectric};
+use rutilant::bsdf::{
+    Bsdf, Fresnel, Lambert, Lobe, PerfectMirror, SmoothConductor, SmoothDielectric,
+};
 use rutilant::color::Spectrum;
 use rutilant::geom::{Vec2, Vec3};
 
@@ -19,7 +21,8 @@ fn all() -> Vec<Entry> {
     let lambert = |albedo: f32| Lobe::Lambert(Lambert { albedo: Spectrum::splat(albedo) });
     let mirror = |r: f32| Lobe::Mirror(PerfectMirror { reflectance: Spectrum::splat(r) });
     let glass = |eta, fresnel| Lobe::Dielectric(SmoothDielectric { eta, fresnel });
-    let gold = SmoothConductor { eta: [0.143, 0.375, 1.442].into(), k: [3.983, 2.386, 1.603].into() };
+    let gold =
+        SmoothConductor { eta: [0.143, 0.375, 1.442].into(), k: [3.983, 2.386, 1.603].into() };
     let entry = |name, bsdf, white| Entry { name, bsdf, white };
     vec![
         entry("white lambert", lambert(1.0).into(), true),
@@ -75,7 +78,11 @@ fn white_surfaces_vanish_in_the_furnace() {
             let sum = worth.fold(Spectrum::BLACK, |sum, w| sum + w * (1.0 / n as f32));
             for channel in sum.channels() {
                 assert!(channel < 1.001, "{} at {wo} sends back {channel}", entry.name);
-                assert!(!entry.white || channel > 0.999, "{} at {wo} sends back {channel}", entry.name);
+                assert!(
+                    !entry.white || channel > 0.999,
+                    "{} at {wo} sends back {channel}",
+                    entry.name
+                );
             }
         }
     }
@@ -117,13 +124,19 @@ fn scattering_is_reciprocal() {
                     assert!((a - b).abs() < 1e-4 || wo.z.abs() < 1e-5, "{}: {a} {b}", entry.name);
                 }
                 // A delta's way back leads to where it came from, with the same probability.
-                let Some(s) = entry.bsdf.sample(wo, choice, u).filter(|s| s.delta) else { continue };
+                let Some(s) = entry.bsdf.sample(wo, choice, u).filter(|s| s.delta) else {
+                    continue;
+                };
                 let reversed = (0..64).find_map(|k| {
                     let r = entry.bsdf.sample(s.wi, (k as f32 + 0.5) / 64.0, u)?;
                     (r.delta && r.wi.dot(wo) > 1.0 - 1e-5).then_some(r)
                 });
                 let Some(r) = reversed else { panic!("{}: no way back from {s:?}", entry.name) };
-                assert!((r.pdf - s.pdf).abs() < 1e-3 && (r.eta * s.eta - 1.0).abs() < 1e-5, "{}: {s:?} {r:?}", entry.name);
+                assert!(
+                    (r.pdf - s.pdf).abs() < 1e-3 && (r.eta * s.eta - 1.0).abs() < 1e-5,
+                    "{}: {s:?} {r:?}",
+                    entry.name
+                );
             }
         }
     }
@@ -153,16 +166,26 @@ fn densities_integrate_to_their_chance() {
 fn edges_give_numbers_or_nothing() {
     let below_one = 1.0 - 0.5 * f32::EPSILON;
     let us = [0.0, f32::MIN_POSITIVE, 0.5, below_one];
-    let mut wos = vec![Vec3::X, Vec3::Z, Vec3::NEG_Z, Vec3::new(1.0, 0.0, 1e-30), Vec3::new(1.0, 0.0, -1e-7)];
+    let mut wos =
+        vec![Vec3::X, Vec3::Z, Vec3::NEG_Z, Vec3::new(1.0, 0.0, 1e-30), Vec3::new(1.0, 0.0, -1e-7)];
     wos.push(Vec3::new(0.8, -0.6, f32::MIN_POSITIVE));
     for entry in all() {
         for &wo in &wos {
             for choice in us {
                 for x in us {
                     for y in us {
-                        let Some(s) = entry.bsdf.sample(wo, choice, Vec2::new(x, y)) else { continue };
-                        let sound = s.wi.is_finite() && s.weight.is_finite() && s.pdf > 0.0 && s.pdf.is_finite();
-                        assert!(sound && s.weight.channels().iter().all(|&w| w >= 0.0), "{} {wo} {s:?}", entry.name);
+                        let Some(s) = entry.bsdf.sample(wo, choice, Vec2::new(x, y)) else {
+                            continue;
+                        };
+                        let sound = s.wi.is_finite()
+                            && s.weight.is_finite()
+                            && s.pdf > 0.0
+                            && s.pdf.is_finite();
+                        assert!(
+                            sound && s.weight.channels().iter().all(|&w| w >= 0.0),
+                            "{} {wo} {s:?}",
+                            entry.name
+                        );
                     }
                 }
             }
@@ -173,7 +196,8 @@ fn edges_give_numbers_or_nothing() {
 /// Below the critical angle nothing leaves glass: at 45° and 1.5 every sample is reflected.
 #[test]
 fn total_reflection_is_total() {
-    let glass = Bsdf::from(Lobe::Dielectric(SmoothDielectric { eta: 1.5, fresnel: Fresnel::Exact }));
+    let glass =
+        Bsdf::from(Lobe::Dielectric(SmoothDielectric { eta: 1.5, fresnel: Fresnel::Exact }));
     let wo = -directions(&[45.0])[0];
     for i in 0..1000 {
         let s = glass.sample(wo, i as f32 / 1000.0, Vec2::splat(0.5)).unwrap();
@@ -184,7 +208,8 @@ fn total_reflection_is_total() {
 /// A border between equal media changes nothing, not even the last bit.
 #[test]
 fn equal_indices_are_invisible() {
-    let nothing = Bsdf::from(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }));
+    let nothing =
+        Bsdf::from(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }));
     for wo in all_sides() {
         let s = nothing.sample(wo, 0.0, Vec2::ZERO).unwrap();
         assert_eq!((s.wi, s.weight, s.pdf), (-wo, Spectrum::WHITE, 1.0));

@@ -151,7 +151,10 @@ pub fn chi_square(
         term(pooled_count, pooled_expected);
     } else {
         // Hardly any are expected; a few may have been rounded over a border of the density.
-        assert!(pooled_count <= 60.0, "{pooled_count} samples where {pooled_expected} are expected");
+        assert!(
+            pooled_count <= 60.0,
+            "{pooled_count} samples where {pooled_expected} are expected"
+        );
     }
     if cells > 1.0 { chi_square_tail(cells - 1.0, statistic) } else { 1.0 }
 }
@@ -161,7 +164,8 @@ pub fn integrate_sphere(f: impl Fn(Vec3) -> Spectrum) -> [f64; 3] {
     let n = 400;
     let mut sum = [0.0; 3];
     for i in 0..n * n {
-        let (x, y) = ((f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n));
+        let (x, y) =
+            ((f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n));
         let z = 1.0 - 2.0 * y;
         let (s, c) = (2.0 * PI * x).sin_cos();
         let r = (1.0 - z * z).sqrt();
@@ -202,6 +206,9 @@ pub fn assert_mean(image: &Image, expected: f64, sigmas: f64) {
     for channel in ["R", "G", "B"] {
         let (mean, error) = mean(image, channel);
         let tolerance = sigmas * error + 1e-4 * expected;
-        assert!((mean - expected).abs() <= tolerance, "{channel}: {mean} ± {error}, expected {expected}");
+        assert!(
+            (mean - expected).abs() <= tolerance,
+            "{channel}: {mean} ± {error}, expected {expected}"
+        );
     }
 }
