@@ -70,7 +70,7 @@ impl Object {
             }
             Shape::Mesh(_) => {}
             Shape::Sphere { radius } | Shape::Disk { radius } => {
-                place.check("radius", [radius], POSITIVE)?
+                place.check("radius", [radius], POSITIVE)?;
             }
             Shape::Rectangle { size } => place.check("size", size.to_array(), POSITIVE)?,
             Shape::Box { size } => place.check("size", size.to_array(), POSITIVE)?,

@@ -1,8 +1,8 @@
 //! What the proofs share: a counter-based random sequence, a chi-square test, a furnace, and a
 //! way to render small scenes to their means.
 
-#![expect(clippy::allow_attributes, reason = "each test file uses a part of this")]
-#![allow(dead_code)]
+#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
+#![allow(dead_code, reason = "each test file uses a part of this")]
 
 use rutilant::color::Spectrum;
 use rutilant::geom::{Vec2, Vec3, real};
