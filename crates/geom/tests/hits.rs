@@ -12,7 +12,8 @@ use rutilant_geom::{BuildOptions, Ray, Surfaces, Vec3};
 /// sign, a lost needle, a nearer hit replaced by a farther one: all show here.
 ///
 /// Rays on an edge are for nobody to tell but by rounding; those in which the
-/// textbook is unsure are few, unless they were aimed at edges, as one in four is.
+/// textbook is unsure are counted, and fewer than one in ten, though three in eight
+/// are aimed at an edge or a vertex of something.
 /// `cargo run --release -p rutilant-geom --example verify` takes many more rays.
 #[test]
 fn hits_equal_the_textbook() {
@@ -25,7 +26,7 @@ fn hits_equal_the_textbook() {
                 !brute::check(name, &scene, &ray, scene.closest(&ray).as_ref())
             })
             .count();
-        assert!(unsure as u64 * 3 < rays, "{name}: unsure about {unsure}");
+        assert!(unsure as u64 * 10 < rays, "{name}: unsure about {unsure}");
     }
 }
 

@@ -2,7 +2,7 @@
 //! precision, each with a bound of its own rounding error.
 
 use glam::DVec3;
-use rutilant_geom::{Disk, Hit, Ray, Sphere, Surfaces};
+use rutilant_geom::{Disk, Hit, Ray, Sphere, Surfaces, Vec3};
 
 /// What the textbook says about a ray and a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,9 @@ fn disk(disk: &Disk, ray: &Ray) -> Verdict {
     let shift = t_error * d.length() + ROUNDING * (o - c).length();
     let error = 4.0
         * (1.0 + a.abs() + b.abs())
-        * (shift * (uu + vv).sqrt().powi(3) / det + ROUNDING * (uu + vv).powi(2) / det);
+        * (uu + vv)
+        * (shift * (uu + vv).sqrt() + ROUNDING * (uu + vv))
+        / det;
     verdict(t, t_error, ray, vec![positive(1.0 - a * a - b * b, error)])
 }
 
@@ -119,7 +121,7 @@ fn disk(disk: &Disk, ray: &Ray) -> Verdict {
 pub(crate) fn primitive(scene: &Surfaces, i: usize, ray: &Ray) -> Verdict {
     let (triangles, spheres) = (scene.triangles().len(), scene.spheres().len());
     if i < triangles {
-        triangle(scene.triangle(i as u32).map(|p| p.as_dvec3()), ray)
+        triangle(scene.triangle(i as u32).map(Vec3::as_dvec3), ray)
     } else if i < triangles + spheres {
         sphere(&scene.spheres()[i - triangles], ray)
     } else {

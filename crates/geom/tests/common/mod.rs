@@ -7,6 +7,7 @@ pub(crate) mod brute;
 pub(crate) mod meshes;
 
 use rutilant_geom::{Ray, Surfaces, Vec3};
+use std::f32::consts::LOG2_10;
 
 /// Random numbers that are the same everywhere: a hash of a counter.
 pub(crate) struct Random(pub(crate) u64);
@@ -50,7 +51,7 @@ impl Random {
 
     /// 10 to the power of something between the two, roughly evenly: powers of two times 1 to 2.
     pub(crate) fn size(&mut self, low: i32, high: i32) -> f32 {
-        let exponent = self.between(low as f32 * 3.321_928, high as f32 * 3.321_928).round();
+        let exponent = (self.between(low as f32, high as f32) * LOG2_10).round();
         self.between(1.0, 2.0) * f32::from_bits(((127 + exponent as i32) as u32) << 23)
     }
 }
