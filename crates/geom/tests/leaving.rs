@@ -38,13 +38,15 @@ fn a_ray_never_meets_the_triangle_it_leaves() {
             let place = random.point() * size * random.size(-9, 4);
             let corner = |random: &mut Random| place + random.point() * size;
             let mut triangle = [corner(random), corner(random), corner(random)];
-            match random.below(4) {
-                // In a plane through the scene's origin, along two axes or aslant.
+            match random.below(5) {
+                // In a plane through the scene's origin: along two axes, aslant, or any.
                 0 => triangle = triangle.map(|p| Vec3::new(p.x, 0.0, p.z)),
                 1 => triangle = triangle.map(|p| Vec3::new(p.x, p.z, p.z)),
-                // A needle.
-                2 => {
-                    triangle[2] = triangle[0].lerp(triangle[1], 0.3) + random.point() * size * 1e-5
+                2 => triangle[1] = -triangle[0],
+                3 => {
+                    // A needle.
+                    let foot = triangle[0].lerp(triangle[1], 0.3);
+                    triangle[2] = foot + random.point() * size * 1e-5;
                 }
                 _ => {}
             }
@@ -77,10 +79,15 @@ fn a_ray_never_meets_the_sphere_it_leaves() {
         .map(|i| {
             let random = &mut Random(i << 20);
             let radius = random.size(-6, 6);
-            let center = random.point() * radius * random.size(-9, 6);
+            let mut center = random.point() * radius * random.size(-9, 6);
+            let mut target = center + random.point() * radius * 0.5;
+            if i % 4 == 0 {
+                // Through the scene's origin, where no rounding of positions gives room.
+                center = [Vec3::X, Vec3::NEG_Y, Vec3::Z][random.below(3)] * radius;
+                target = Vec3::ZERO;
+            }
             let spheres = vec![Sphere { center, radius }];
             let scene = Surfaces::new(vec![], vec![], spheres, vec![], &BuildOptions::default());
-            let target = center + random.point() * radius * 0.5;
             let Some(hit) = hit_of(&scene, target, radius, random) else { return 0 };
             let direction = outwards(hit.normal, random);
             let origin = offset_origin(hit.position, hit.normal, direction);
@@ -111,11 +118,14 @@ fn a_ray_never_meets_the_disk_it_leaves() {
         .map(|i| {
             let random = &mut Random(i << 20);
             let size = random.size(-6, 6);
-            let center = random.point() * size * random.size(-9, 4);
+            let mut center = random.point() * size * random.size(-9, 4);
             let (u, v) = (random.point() * size, random.point() * size);
+            let mut target = center + u * random.between(-0.7, 0.7) + v * random.between(-0.7, 0.7);
+            if i % 4 == 0 {
+                (center, target) = (u * -0.5, Vec3::ZERO);
+            }
             let disks = vec![Disk { center, u, v }];
             let scene = Surfaces::new(vec![], vec![], vec![], disks, &BuildOptions::default());
-            let target = center + u * random.between(-0.7, 0.7) + v * random.between(-0.7, 0.7);
             let Some(hit) = hit_of(&scene, target, size, random) else { return 0 };
             for side in [hit.normal, -hit.normal] {
                 let direction = outwards(side, random);
