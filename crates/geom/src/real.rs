@@ -8,3 +8,6 @@ pub fn tan(x: f32) -> f32 {
 pub fn ln(x: f32) -> f32 {
     libm::logf(x)
 }
+pub fn atan2(y: f32, x: f32) -> f32 {
+    libm::atan2f(y, x)
+}
