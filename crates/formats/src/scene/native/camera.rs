@@ -19,7 +19,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<Perspective, SceneError> {
     let up = table.or("up", direction, Vec3::Y)?;
     let fov_y = table.or("fov_degrees", Value::number, FOV_DEGREES)?.to_radians();
     let world_from_camera = Transform::look_at(position, target, up).ok_or_else(|| {
-        table.invalid("position and look_at are the same point: the camera has no direction")
+        table.invalid("the camera has no direction: position and look_at are the same point, or too far apart")
     })?;
     Ok(Perspective {
         world_from_camera,

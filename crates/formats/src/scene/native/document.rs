@@ -20,7 +20,8 @@ impl<'d> Document<'d> {
     pub(super) fn parse(&self) -> Result<Spanned<DeTable<'d>>, SceneError> {
         DeTable::parse(self.text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
-            self.invalid(at, format!("{}{}", error.message(), self.syntax_hint(at)))
+            let message = error.message().trim_end_matches(", expected nothing");
+            self.invalid(at, format!("{message}{}", self.syntax_hint(at)))
         })
     }
 

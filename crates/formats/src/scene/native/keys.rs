@@ -64,7 +64,7 @@ pub(super) const DIRECTIONAL: &[&str] = &["direction", "irradiance"];
 
 /// Which table has which keys.
 const PLACES: &[(&str, &[&str])] = &[
-    ("the top level", ROOT),
+    ("the scene itself, above all tables", ROOT),
     ("[render]", RENDER),
     ("[camera]", CAMERA),
     ("[environment]", ENVIRONMENT),
@@ -88,10 +88,19 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a directional light", DIRECTIONAL),
 ];
 
-/// The table that has the key `name`, if there is only one kind.
-pub(super) fn where_it_belongs(name: &str) -> Option<&'static str> {
-    let mut places = PLACES.iter().filter(|(_, keys)| keys.contains(&name));
-    places.next().filter(|_| places.next().is_none()).map(|(place, _)| *place)
+/// The tables that have the key `name`, for people, if there are any.
+pub(super) fn where_it_belongs(name: &str) -> Option<String> {
+    let places = PLACES.iter().filter(|(_, keys)| keys.contains(&name)).map(|(place, _)| *place);
+    let places: Vec<_> = places.collect();
+    (!places.is_empty()).then(|| places.join(" or "))
+}
+
+/// What to write where a key is missing that has only one good value.
+pub(super) fn hint(key: &str) -> &'static str {
+    match key {
+        "version" => ": begin it with \"version = 1\"",
+        _ => "",
+    }
 }
 
 /// Whether any table has the key `name`.

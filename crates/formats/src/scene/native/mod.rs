@@ -110,13 +110,11 @@ pub(crate) fn parse(
 const VERSION: u32 = 1;
 
 fn check_version(root: &Table<'_>) -> Result<(), SceneError> {
-    let version = root.get("version").ok_or_else(|| {
-        root.invalid(format!("no version: begin the scene with \"version = {VERSION}\""))
-    })?;
-    let number: u32 = version.whole()?;
-    if number == VERSION {
-        return Ok(());
-    }
-    let what = format!("version {number} of the scene format is not known; {VERSION} is");
-    Err(version.error(SceneErrorKind::Unsupported(what)))
+    root.must("version", |value| match value.whole()? {
+        VERSION => Ok(()),
+        other => {
+            let what = format!("version {other} of the scene format is not known; {VERSION} is");
+            Err(value.error(SceneErrorKind::Unsupported(what)))
+        }
+    })
 }

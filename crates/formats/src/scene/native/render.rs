@@ -41,7 +41,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, DisplayDefaults), Sce
     table.only(&[keys::RENDER])?;
     let usual = Settings::default();
     let settings = Settings {
-        size: table.or("size", |v| v.wholes("[width, height] in pixels"), usual.size)?,
+        size: table.or("size", |v| v.wholes("two whole numbers [width, height]"), usual.size)?,
         crop: table.maybe("crop", crop)?,
         spp: table.or("spp", Value::whole, usual.spp)?,
         max_depth: table.maybe("max_depth", Value::whole)?,
@@ -70,7 +70,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, DisplayDefaults), Sce
 }
 
 fn crop(value: &Value<'_>) -> Result<Crop, SceneError> {
-    let [x, y, width, height] = value.wholes("[x, y, width, height] in pixels")?;
+    let [x, y, width, height] = value.wholes("four whole numbers [x, y, width, height]")?;
     Ok(Crop { x, y, width, height })
 }
 

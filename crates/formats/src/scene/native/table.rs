@@ -27,7 +27,7 @@ pub(super) struct Table<'d> {
 impl<'d> Table<'d> {
     /// The table that holds all others.
     pub(super) fn root(document: &'d Document<'d>, entries: &'d DeTable<'d>) -> Self {
-        Self { document, name: "the top level", entries, at: 0 }
+        Self { document, name: "the scene", entries, at: 0 }
     }
 
     /// The same table under a name that says more.
@@ -122,8 +122,8 @@ impl<'d> Table<'d> {
             return Ok(());
         };
         let (quoted, here) = (shown(name), self.name);
-        if let Some(place) = keys::where_it_belongs(name) {
-            let what = format!("no key \"{quoted}\" in {here}, only in {place}");
+        if let Some(places) = keys::where_it_belongs(name) {
+            let what = format!("no key \"{quoted}\" in {here}, only in {places}");
             return Err(self.document.invalid(at, what));
         }
         let allowed = || allowed.iter().copied().flatten().copied();
@@ -161,7 +161,7 @@ impl<'d> Table<'d> {
             .find(|k| nearest(k.get_ref(), [key]).is_some() && !keys::is_known(k.get_ref()));
         match slip {
             Some(k) => self.document.error(k.span().start, unknown_name("key", k.get_ref(), key)),
-            None => self.invalid(format!("{} needs \"{key}\"", self.name)),
+            None => self.invalid(format!("{} needs \"{key}\"{}", self.name, keys::hint(key))),
         }
     }
 }
@@ -221,7 +221,12 @@ impl<'d> Value<'d> {
 
     /// A whole number from 0 to the largest that `T` holds.
     pub(super) fn whole<T: TryFrom<u64>>(&self) -> Result<T, SceneError> {
-        self.to_whole().ok_or_else(|| self.must_be("a whole number"))
+        self.to_whole().ok_or_else(|| match self.value.as_integer() {
+            Some(number) if !number.as_str().starts_with('-') => {
+                self.invalid(format!("{} is too large", self.key))
+            }
+            _ => self.must_be("a whole number, 0 or more"),
+        })
     }
 
     /// Several whole numbers.
@@ -285,10 +290,10 @@ impl<'d> Value<'d> {
     /// A table, by the name people give it.
     pub(super) fn table(&self, name: &'static str) -> Result<Table<'d>, SceneError> {
         let entries = self.value.as_table().ok_or_else(|| match self.value {
-            DeValue::Array(_) => {
+            DeValue::Array(_) if name.starts_with('[') => {
                 self.invalid(format!("there is only one {name}: write it with single brackets"))
             }
-            _ => self.must_be(&format!("a table like {name}")),
+            _ => self.must_be("a table"),
         })?;
         Ok(Table { document: self.document, name, entries, at: self.at })
     }

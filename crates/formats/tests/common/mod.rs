@@ -1,0 +1,19 @@
+//! What the tests of the scene format share.
+
+use rutilant_formats::{LoadedScene, ReadOptions, SceneError, parse_native};
+use std::path::Path;
+
+/// The least that a scene needs, and a material. Text after it starts in line 8.
+pub const HEAD: &str = r#"version = 1
+camera.position = [0, 0, 5]
+camera.look_at = [0, 0, 0]
+[[material]]
+name = "grey"
+type = "matte"
+
+"#;
+
+/// Reads a scene from text.
+pub fn parse(text: &str) -> Result<LoadedScene, SceneError> {
+    parse_native(text, Path::new("scene.toml"), &ReadOptions::default())
+}
