@@ -4,7 +4,7 @@ use rutilant_formats::{LoadedScene, ReadOptions, SceneError, parse_native};
 use std::path::Path;
 
 /// The least that a scene needs, and a material. Text after it starts in line 8.
-pub const HEAD: &str = r#"version = 1
+pub(crate) const HEAD: &str = r#"version = 1
 camera.position = [0, 0, 5]
 camera.look_at = [0, 0, 0]
 [[material]]
@@ -14,6 +14,6 @@ type = "matte"
 "#;
 
 /// Reads a scene from text.
-pub fn parse(text: &str) -> Result<LoadedScene, SceneError> {
+pub(crate) fn parse(text: &str) -> Result<LoadedScene, SceneError> {
     parse_native(text, Path::new("scene.toml"), &ReadOptions::default())
 }
