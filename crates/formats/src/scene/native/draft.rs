@@ -7,7 +7,7 @@ use crate::scene::nearest::shown;
 use crate::{Limits, ReadOptions, SceneError, SceneErrorKind};
 use rutilant::material::Material;
 use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem};
-use rutilant::shape::Mesh;
+use rutilant::shape::{Mesh, Object};
 use rutilant_geom::Aabb;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -29,8 +29,10 @@ pub(super) struct Draft<'d> {
     grey: Option<MaterialId>,
     /// Where files are looked for.
     pub(super) files: Files<'d>,
+    /// What may be read in all.
+    limits: Limits,
     /// What may still be read.
-    pub(super) limits: Limits,
+    pub(super) left: Limits,
 }
 
 /// What a mesh file brought into the scene.
@@ -54,6 +56,7 @@ impl<'d> Draft<'d> {
             grey: None,
             files: Files::beside(file, options),
             limits: options.limits,
+            left: options.limits,
         }
     }
 
@@ -69,11 +72,25 @@ impl<'d> Draft<'d> {
         table: &Table<'d>,
         mesh: Mesh,
     ) -> Result<MeshId, SceneErrorKind> {
-        let Limits { vertices, triangles, .. } = &mut self.limits;
-        spend("vertices", vertices, mesh.positions.len() as u64)?;
-        spend("triangles", triangles, mesh.triangles.len() as u64)?;
+        let (left, limits) = (&mut self.left, &self.limits);
+        let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
+        spend("vertices", &mut left.vertices, vertices, limits.vertices)?;
+        spend("triangles", &mut left.triangles, triangles, limits.triangles)?;
         self.places.insert(Place::Mesh(self.scene.meshes.len()), *table);
         Ok(self.scene.add_mesh(mesh))
+    }
+
+    /// Adds an object that `table` is to answer for, unless there are too many by now.
+    pub(super) fn add_object(
+        &mut self,
+        table: &Table<'d>,
+        object: Object,
+    ) -> Result<(), SceneError> {
+        spend("objects", &mut self.left.objects, 1, self.limits.objects)
+            .map_err(|kind| table.error(kind))?;
+        self.places.insert(Place::Object(self.scene.objects.len()), *table);
+        self.scene.objects.push(object);
+        Ok(())
     }
 
     /// The matte grey that stands in where there is no material.
@@ -107,13 +124,21 @@ impl<'d> Draft<'d> {
     }
 }
 
-/// Takes `asked` from what is left of a limit.
-pub(super) fn spend(what: &'static str, left: &mut u64, asked: u64) -> Result<(), SceneErrorKind> {
+/// Takes `asked` from what is `left` of what is `allowed`.
+fn spend(
+    what: &'static str,
+    left: &mut u64,
+    asked: u64,
+    allowed: u64,
+) -> Result<(), SceneErrorKind> {
     match left.checked_sub(asked) {
         Some(rest) => {
             *left = rest;
             Ok(())
         }
-        None => Err(SceneErrorKind::Limit { what, asked, allowed: *left }),
+        None => {
+            let asked = (allowed - *left).saturating_add(asked);
+            Err(SceneErrorKind::Limit { what, asked, allowed })
+        }
     }
 }

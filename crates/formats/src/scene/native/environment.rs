@@ -28,10 +28,10 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
 fn read_image(value: &Value<'_>, draft: &Draft<'_>) -> Result<rutilant::image::Image, SceneError> {
     let name = value.text()?;
     let image = match draft.files.embedded(name) {
-        Some(bytes) => image::read_bytes(bytes, Path::new(name), &draft.limits),
+        Some(bytes) => image::read_bytes(bytes, Path::new(name), &draft.left),
         None => {
             let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
-            image::read(&found.path, &draft.limits)
+            image::read(&found.path, &draft.left)
         }
     };
     image.map_err(|error| value.invalid(error.to_string()))

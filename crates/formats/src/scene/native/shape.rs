@@ -1,12 +1,12 @@
 //! `[[shape]]`: what stands in the scene.
 
-use super::draft::{Draft, MeshFile, spend};
+use super::draft::{Draft, MeshFile};
 use super::{Table, Value, keys, material, placing};
 use crate::SceneError;
 use crate::scene::framing::bounds_of;
 use crate::scene::mesh_file;
 use crate::scene::obj::ObjScene;
-use rutilant::scene::{MaterialId, Place};
+use rutilant::scene::Place;
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{Aabb, Transform};
 use std::rc::Rc;
@@ -54,21 +54,8 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
         }
     };
     let material = table.must("material", |v| material::named(v, &draft.materials))?;
-    place(&table, draft, shape, material, &placing::transform(&table)?)
-}
-
-/// Puts a shape into the scene.
-fn place<'d>(
-    table: &Table<'d>,
-    draft: &mut Draft<'d>,
-    shape: Shape,
-    material: MaterialId,
-    world_from_object: &Transform,
-) -> Result<(), SceneError> {
-    spend("objects", &mut draft.limits.objects, 1).map_err(|kind| table.error(kind))?;
-    draft.places.insert(Place::Object(draft.scene.objects.len()), *table);
-    draft.scene.objects.push(Object { shape, material, world_from_object: *world_from_object });
-    Ok(())
+    let world_from_object = placing::transform(&table)?;
+    draft.add_object(&table, Object { shape, material, world_from_object })
 }
 
 fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
@@ -93,7 +80,8 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
     let world_from_object = placing::transform(table)? * fitted.unwrap_or(Transform::IDENTITY);
     for &(mesh, own) in &mesh.parts {
         let material = own.or(backup).ok_or_else(|| table.missing("material"))?;
-        place(table, draft, Shape::Mesh(mesh), material, &world_from_object)?;
+        let shape = Shape::Mesh(mesh);
+        draft.add_object(table, Object { shape, material, world_from_object })?;
     }
     Ok(())
 }
@@ -173,7 +161,7 @@ fn from_file<'d>(
     if let Some(known) = draft.mesh_files.get(&key) {
         return Ok(Rc::clone(known));
     }
-    let file = mesh_file::read(&found.path, &draft.limits)?;
+    let file = mesh_file::read(&found.path, &draft.left)?;
     let read = Rc::new(take_in(file, crease, value, table, draft)?);
     draft.mesh_files.insert(key, Rc::clone(&read));
     Ok(read)
