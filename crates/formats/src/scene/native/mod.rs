@@ -29,6 +29,7 @@ use rutilant::{scene::Scene, settings::Settings};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::thread;
 use table::{Table, Value};
 
 /// Reads a scene from a `.toml` file.
@@ -49,8 +50,33 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     }
 }
 
+/// Stack for taking apart the deepest tree that gets through the TOML parser's limits: 80 tables
+/// in each other, each behind a key of 80 parts, at some 250 bytes for each level.
+const STACK: usize = 16 << 20;
+
 /// Reads a scene from text that stands, or would stand, in `file`.
+///
+/// Trees are taken apart by recursion, inside the TOML parser as well. This happens on a thread
+/// with room for it, so that no caller's stack can be too small.
 pub(crate) fn parse(
+    text: &str,
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<LoadedScene, SceneError> {
+    thread::scope(|scope| {
+        thread::Builder::new()
+            .stack_size(STACK)
+            .spawn_scoped(scope, || parse_here(text, file, options))
+            .map_err(|error| SceneError {
+                at: Source::file(file),
+                kind: SceneErrorKind::Io(error),
+            })?
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+fn parse_here(
     text: &str,
     file: &Path,
     options: &ReadOptions<'_>,

@@ -88,7 +88,7 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
 
 /// A mesh written out in the scene itself.
 fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, SceneError> {
-    let points = |value: &Value<'_>| all(value, "points [[x, y, z], ..]", |entry| entry.triple());
+    let points = |value: &Value<'_>| all(value, "points [[x, y, z], ..]", Value::triple);
     let positions = table.must("positions", points)?;
     let mesh = Mesh {
         name: String::new(),

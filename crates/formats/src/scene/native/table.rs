@@ -221,7 +221,7 @@ impl<'d> Value<'d> {
 
     /// A whole number from 0 to the largest that `T` holds.
     pub(super) fn whole<T: TryFrom<u64>>(&self) -> Result<T, SceneError> {
-        self.to_whole().ok_or_else(|| match self.value.as_integer() {
+        self.as_whole().ok_or_else(|| match self.value.as_integer() {
             Some(number) if !number.as_str().starts_with('-') => {
                 self.invalid(format!("{} is too large", self.key))
             }
@@ -231,7 +231,7 @@ impl<'d> Value<'d> {
 
     /// Several whole numbers.
     pub(super) fn wholes<const N: usize>(&self, expected: &str) -> Result<[u32; N], SceneError> {
-        self.several(expected, |entry| entry.to_whole().ok_or_else(|| entry.must_be(expected)))
+        self.several(expected, |entry| entry.as_whole().ok_or_else(|| entry.must_be(expected)))
     }
 
     /// Several finite numbers.
@@ -372,7 +372,7 @@ impl<'d> Value<'d> {
         })
     }
 
-    fn to_whole<T: TryFrom<u64>>(&self) -> Option<T> {
+    fn as_whole<T: TryFrom<u64>>(&self) -> Option<T> {
         let number = self.value.as_integer()?;
         T::try_from(u64::from_str_radix(number.as_str(), number.radix()).ok()?).ok()
     }

@@ -1,8 +1,6 @@
 //! Every mistake gets one sentence that leads to its place.
 
-mod common;
-
-use common::{HEAD, parse};
+use crate::{HEAD, parse};
 
 /// A scene's text after [`HEAD`], and what is said about it.
 const MISTAKES: &[(&str, &str)] = &[

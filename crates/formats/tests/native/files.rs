@@ -1,8 +1,6 @@
 //! Scenes name files beside them and nothing else, unless the reader is told otherwise.
 
-mod common;
-
-use common::HEAD;
+use crate::HEAD;
 use rutilant_formats::{Limits, ReadOptions, SceneErrorKind, read_scene};
 use std::fs;
 use std::path::Path;

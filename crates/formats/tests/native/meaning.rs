@@ -1,8 +1,6 @@
 //! A scene in the native format means what its documentation says.
 
-mod common;
-
-use common::{HEAD, parse};
+use crate::{HEAD, documented_example, parse};
 use rutilant::bsdf::Fresnel;
 use rutilant::camera::Camera;
 use rutilant::color::Rgb;
@@ -16,15 +14,6 @@ use rutilant::settings::{
 use rutilant::shape::Shape;
 use rutilant_formats::{Curve, DisplayDefaults, LoadedScene};
 use rutilant_geom::Vec3;
-
-const DOCUMENTATION: &str = include_str!("../../../docs/scene-format.md");
-
-/// The complete example of the documentation.
-fn example() -> LoadedScene {
-    let (_, example) = DOCUMENTATION.split_once("```toml\n").expect("an example");
-    let (example, _) = example.split_once("```").expect("the end of the example");
-    parse(example).expect("the documentation's example is right")
-}
 
 /// What stands after [`HEAD`], read.
 fn read(text: &str) -> LoadedScene {
@@ -44,7 +33,8 @@ fn corners(scene: &Scene) -> [Vec3; 4] {
 /// The documentation's example uses most keys; each must arrive where it belongs.
 #[test]
 fn the_documented_example_means_what_it_says() {
-    let LoadedScene { scene, settings, display, notes } = example();
+    let LoadedScene { scene, settings, display, notes } =
+        parse(documented_example()).expect("a scene");
     assert_eq!(notes, [] as [&str; 0]);
     assert_eq!(display, DisplayDefaults { exposure: 0.5, curve: Curve::Filmic });
     let expected = Settings {

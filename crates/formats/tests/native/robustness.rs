@@ -1,22 +1,13 @@
 //! No text makes the reader fail in any way but with an error.
 
-mod common;
-
-use common::{HEAD, parse};
+use crate::{HEAD, documented_example, parse};
 use rutilant_formats::{Limits, ReadOptions, SceneErrorKind, parse_native};
 use std::path::Path;
-
-const DOCUMENTATION: &str = include_str!("../../../docs/scene-format.md");
-
-fn example() -> &'static str {
-    let (_, example) = DOCUMENTATION.split_once("```toml\n").expect("an example");
-    example.split_once("```").expect("the end of the example").0
-}
 
 /// A file that was cut off anywhere.
 #[test]
 fn cut_off_scenes_give_errors() {
-    let text = example();
+    let text = documented_example();
     for end in (0..text.len()).filter(|end| text.is_char_boundary(*end)) {
         if let Err(error) = parse(&text[..end]) {
             let error = error.to_string();
@@ -84,7 +75,7 @@ const PIECES: &[&str] = &[
 fn damaged_scenes_give_errors() {
     let mut chance = Chance(1);
     for _ in 0..6000 {
-        let mut text = example().to_owned();
+        let mut text = documented_example().to_owned();
         for _ in 0..=chance.below(4) {
             let mut place = || {
                 let at = chance.below(text.len() + 1);
@@ -116,31 +107,30 @@ fn damaged_scenes_give_errors() {
     }
 }
 
-/// Tables in tables in tables: TOML's own limits hold, and dotted keys multiply them.
+/// Tables in tables in tables: TOML's own limits hold, dotted keys multiply them, and the stack
+/// of whoever reads does not matter.
 #[test]
 fn deep_nesting_ends() {
     let dots = |n: usize| vec!["a"; n].join(".");
-    for depth in [10, 79, 1000, 100_000] {
-        let inline =
-            format!("{} = 1 {}", format!("{{ {} = ", dots(79)).repeat(depth), "}".repeat(depth));
-        for text in [
-            format!("render = {}1{}", "[".repeat(depth), "]".repeat(depth)),
+    let mut texts = Vec::new();
+    for depth in [10, 79, 1000, 10_000] {
+        let nested =
+            |open: &str, close: &str| format!("{}1{}", open.repeat(depth), close.repeat(depth));
+        let inline = nested(&format!("{{ {} = ", dots(79)), "}");
+        texts.extend([
+            format!("render = {}", nested("[", "]")),
             format!("render = {}", "[".repeat(depth)),
-            format!("render = {}1{}", "{ a = ".repeat(depth), "}".repeat(depth)),
+            format!("render = {}", nested("{ a = ", "}")),
             format!("[{}]", dots(depth)),
             format!("{} = 1", dots(depth)),
-            format!("a = {inline}"),
-            format!(
-                "[{}]\n{} = {}1{}",
-                dots(79),
-                dots(79),
-                format!("{{ {} = ", dots(79)).repeat(depth.min(79)),
-                "}".repeat(depth.min(79))
-            ),
-        ] {
-            assert!(parse(&format!("version = 1\n{text}")).is_err());
-        }
+            format!("{} = {inline}", dots(79)),
+            format!("a = {inline}\na = {inline}"),
+            format!("[{}]\n{} = {inline}", dots(79), dots(79)),
+        ]);
     }
+    let read = move || texts.iter().all(|text| parse(&format!("version = 1\n{text}")).is_err());
+    let small = std::thread::Builder::new().stack_size(128 << 10).spawn(read).expect("a thread");
+    assert!(small.join().expect("no panic"));
 }
 
 /// Long names take no more time than their length is worth, and do not fill the screen.
