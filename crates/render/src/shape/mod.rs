@@ -1,6 +1,7 @@
 //! What stands in a scene: shapes, and objects that give them a place and a material.
 
 mod mesh;
+mod smooth;
 
 pub use mesh::Mesh;
 
