@@ -4,7 +4,9 @@
 //! returns a value or an error and never panics.
 
 mod error;
+mod file;
 mod limits;
+pub mod scene;
 
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use limits::Limits;
