@@ -5,6 +5,7 @@
 
 mod error;
 mod file;
+pub mod image;
 mod limits;
 pub mod scene;
 

@@ -48,6 +48,7 @@ pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<Library, SceneErro
         left_out: BTreeMap::new(),
         library: Library::default(),
         names: HashSet::new(),
+        repeated: None,
     };
     parser.lines()?;
     Ok(parser.library)
@@ -76,6 +77,8 @@ struct Parser<'a> {
     left_out: BTreeMap<&'a [u8], (u64, usize)>,
     library: Library,
     names: HashSet<String>,
+    /// Materials that come again: how many, and where and which the first is.
+    repeated: Option<(u64, usize, String)>,
 }
 
 /// A colour is dark when no channel is brighter than this. Exporters write small numbers where
@@ -130,6 +133,10 @@ impl<'a> Parser<'a> {
             self.finish(done);
         }
 
+        if let Some((count, first, name)) = self.repeated.take() {
+            let what = format!("{count} materials come again and are left out, first {name}");
+            self.note(first, &what);
+        }
         for (keyword, (count, first)) in std::mem::take(&mut self.left_out) {
             let times = if count == 1 { String::new() } else { format!(", {count} times") };
             let keyword = if keyword.is_empty() { "…".to_owned() } else { quoted(keyword) };
@@ -219,7 +226,7 @@ impl<'a> Parser<'a> {
         let at = written.at;
         let shown = quoted(written.name.as_bytes());
         if !self.names.insert(written.name.clone()) {
-            self.note(at, &format!("material {shown} comes a second time and is left out"));
+            self.repeated.get_or_insert((0, at, shown)).0 += 1;
             return;
         }
 
