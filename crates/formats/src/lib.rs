@@ -12,15 +12,16 @@
 //! ```
 
 mod error;
+mod file;
 pub mod image;
 mod limits;
 mod options;
-mod scene;
+pub mod scene;
 
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use limits::Limits;
 pub use options::ReadOptions;
-pub use scene::{Curve, DisplayDefaults, LoadedScene};
+pub use scene::LoadedScene;
 
 use std::path::Path;
 

@@ -402,6 +402,3 @@ mod tests {
         assert!(pow(-2.0, 0.5).is_nan());
     }
 }
-pub fn atan2(y: f32, x: f32) -> f32 {
-    libm::atan2f(y, x)
-}

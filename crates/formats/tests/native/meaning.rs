@@ -4,6 +4,7 @@ use crate::{HEAD, documented_example, parse};
 use rutilant::bsdf::Fresnel;
 use rutilant::camera::Camera;
 use rutilant::color::Rgb;
+use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::light::{EnvironmentLight, Light};
 use rutilant::material::{Absorption, EmittedLight, MaterialKind};
@@ -12,7 +13,7 @@ use rutilant::settings::{
     Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
 };
 use rutilant::shape::Shape;
-use rutilant_formats::{Curve, DisplayDefaults, LoadedScene};
+use rutilant_formats::LoadedScene;
 use rutilant_geom::Vec3;
 
 /// What stands after [`HEAD`], read.
@@ -36,7 +37,7 @@ fn the_documented_example_means_what_it_says() {
     let LoadedScene { scene, settings, display, notes } =
         parse(documented_example()).expect("a scene");
     assert_eq!(notes, [] as [&str; 0]);
-    assert_eq!(display, DisplayDefaults { exposure: 0.5, curve: Curve::Filmic });
+    assert_eq!(display, Display { exposure: 0.5, curve: Curve::Filmic });
     let expected = Settings {
         size: [640, 480],
         spp: 256,
@@ -105,7 +106,7 @@ fn an_almost_empty_scene_has_the_defaults() {
     let LoadedScene { scene, settings, display, notes } =
         parse("version = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]").expect("a scene");
     assert_eq!(settings, Settings::default());
-    assert_eq!(display, DisplayDefaults { exposure: 0.0, curve: Curve::Clip });
+    assert_eq!(display, Display { exposure: 0.0, curve: Curve::Clip });
     let Camera::Perspective(camera) = scene.camera;
     assert_eq!(camera.fov_y, 45_f32.to_radians());
     assert_eq!((camera.aperture_radius, camera.focus_distance), (0.0, 5.0));

@@ -2,7 +2,7 @@
 
 use super::{Table, Value, keys};
 use crate::SceneError;
-use crate::scene::{Curve, DisplayDefaults};
+use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::settings::{
     Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
@@ -37,7 +37,7 @@ const FILTERS: &[(&str, Filter)] = &[
     ("blackman-harris", Filter::BlackmanHarris { radius: 1.5 }),
 ];
 
-pub(super) fn read(table: &Table<'_>) -> Result<(Settings, DisplayDefaults), SceneError> {
+pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError> {
     table.only(&[keys::RENDER])?;
     let usual = Settings::default();
     let settings = Settings {
@@ -62,7 +62,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, DisplayDefaults), Sce
             usual.light_selection,
         )?,
     };
-    let display = DisplayDefaults {
+    let display = Display {
         exposure: table.or("exposure", Value::number, 0.0)?,
         curve: table.or("curve", |v| v.one_of("curve", CURVES), Curve::default())?,
     };
