@@ -15,7 +15,7 @@ mod error;
 pub mod image;
 mod limits;
 mod options;
-mod scene;
+pub mod scene;
 
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use limits::Limits;

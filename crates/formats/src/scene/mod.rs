@@ -1,4 +1,4 @@
-//! Scenes from files: one file here for each kind.
+//! Scenes and meshes from files: one file here for each kind.
 
 pub(crate) mod bare;
 pub(crate) mod files;
@@ -6,8 +6,8 @@ mod framing;
 mod mesh_file;
 pub(crate) mod native;
 mod nearest;
-mod obj;
-mod ply;
+pub mod obj;
+pub mod ply;
 
 use rutilant::scene::Scene;
 use rutilant::settings::Settings;

@@ -2,7 +2,7 @@
 //!
 //! The text becomes a tree of tables in which every value knows its place.
 //! Each section below maps one kind of table to the authored scene. What the
-//! numbers may be is decided by [`Scene::validate`] and [`Settings::validate`]
+//! numbers may be is decided by the scene's and the settings' own `validate`
 //! alone: a problem they find is traced back to the key it came from.
 
 mod camera;
@@ -24,8 +24,6 @@ use crate::{ReadOptions, SceneError, SceneErrorKind, Source};
 use document::Document;
 use draft::Draft;
 use rutilant::scene::Place;
-#[expect(unused_imports, reason = "the documentation names them")]
-use rutilant::{scene::Scene, settings::Settings};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
