@@ -1,1 +1,3 @@
+//! The command line of Rutilant.
+mod compare;
 fn main() {}
