@@ -56,9 +56,15 @@ pub(crate) fn errors(test: &Pixels, reference: &Pixels) -> Option<Errors> {
 }
 
 /// Peak signal-to-noise ratio in decibels of values whose peak is 1; infinite
-/// for equal pictures. `None` where no pixel is finite.
-pub(crate) fn psnr(test: &Pixels, reference: &Pixels) -> Option<f64> {
-    errors(test, reference).map(|e| -20.0 * e.rmse.log10())
+/// for equal pictures. Only the pixels that `counts` names take part.
+pub(crate) fn psnr(test: &Pixels, reference: &Pixels, counts: &[bool]) -> f64 {
+    let pairs = test.values.iter().zip(&reference.values).zip(counts);
+    let (mut squares, mut count) = (0.0, 0);
+    for ((a, b), _) in pairs.filter(|(_, counts)| **counts) {
+        squares += a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
+        count += 3;
+    }
+    -10.0 * (squares / f64::from(count.max(1))).log10()
 }
 
 /// How many pixels have a NaN or an infinite channel.
@@ -119,10 +125,10 @@ mod tests {
     /// A tenth of the peak everywhere is 20 dB; a picture and itself are infinitely close.
     #[test]
     fn psnr_is_in_decibels_of_the_peak() {
-        let db = psnr(&flat(0.6, 50), &flat(0.5, 50)).unwrap();
+        let db = psnr(&flat(0.6, 50), &flat(0.5, 50), &[true; 50]);
         assert!((db - 20.0).abs() < 1e-4, "{db}");
         let ramp = ramp((20, 30));
-        assert_eq!(psnr(&ramp, &ramp), Some(f64::INFINITY));
+        assert_eq!(psnr(&ramp, &ramp, &[true; 600]), f64::INFINITY);
     }
 
     /// A NaN is counted and takes no part; a picture of nothing else has no error at all.
