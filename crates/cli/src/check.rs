@@ -3,7 +3,7 @@
 use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading};
 use crate::text::several;
-use crate::{print_json, print_line};
+use crate::{print_json, print_line, tell};
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
 use serde::Serialize;
@@ -42,13 +42,13 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
                 (None, loaded.notes)
             }
             Err(failure) => {
-                eprintln!("{}", failure.line);
+                tell(&failure.line);
                 exit = failure.exit;
                 (Some(failure.line), Vec::new())
             }
         };
         for note in &notes {
-            eprintln!("note: {}: {note}", path.display());
+            tell(&format!("note: {}: {note}", path.display()));
         }
         if args.json {
             print_json(&Verdict { scene: path, ok: error.is_none(), error, notes })?;

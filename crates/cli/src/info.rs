@@ -5,7 +5,7 @@ use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading, timed};
 use crate::options;
 use crate::text::{bytes, count, several, time};
-use crate::{print_json, print_line};
+use crate::{print_json, print_line, tell};
 use rutilant::light::{EnvironmentLight, Light};
 use rutilant::material::MaterialKind;
 use rutilant::scene::Scene;
@@ -100,7 +100,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         notes,
     };
     for note in &info.notes {
-        eprintln!("note: {note}");
+        tell(&format!("note: {note}"));
     }
     if args.json {
         print_json(&info)?;

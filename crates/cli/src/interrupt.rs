@@ -5,6 +5,7 @@
 //! so the first ends it at once.
 
 use crate::failure::{Exit, Failure};
+use crate::tell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -59,7 +60,7 @@ impl Interrupt {
         while self.writing.load(Ordering::SeqCst) && asked.elapsed() < PATIENCE {
             std::thread::sleep(Duration::from_millis(5));
         }
-        eprintln!("\ninterrupted");
+        tell("\ninterrupted");
         std::process::exit(Exit::Interrupted as i32);
     }
 }

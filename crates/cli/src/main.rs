@@ -82,7 +82,7 @@ fn main() -> ExitCode {
     match end {
         Ok(exit) => exit.into(),
         Err(Failure { exit, line }) => {
-            eprintln!("{line}");
+            tell(&line);
             exit.into()
         }
     }
@@ -103,6 +103,12 @@ fn print_line(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// A line for people on standard error. Whether anybody listens changes nothing.
+fn tell(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 #[cfg(test)]

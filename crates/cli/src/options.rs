@@ -61,6 +61,14 @@ pub(crate) fn finite(text: &str) -> Result<f32, String> {
     }
 }
 
+/// How many of something: one at least.
+pub(crate) fn count<N: std::str::FromStr + Default + PartialEq>(text: &str) -> Result<N, String> {
+    match text.parse::<N>() {
+        Ok(n) if n != N::default() => Ok(n),
+        _ => Err("write a whole number, 1 or more".to_owned()),
+    }
+}
+
 /// How many threads.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::shim::Progress;
+use crate::tell;
 use crate::text::{count, scaled, time};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -24,10 +25,18 @@ pub(crate) enum Style {
 pub(crate) struct Reporter {
     view: View,
     start: Instant,
-    limit: Option<Duration>,
-    /// Paths at the last change, and when that was: rates are taken there, since
-    /// numbers only change with the end of a pass.
-    last: (u64, Duration),
+    goal: Goal,
+}
+
+/// When a rendering will be done: by samples or by the clock, whichever comes first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// Pixels that are rendered.
+    pub pixels: u64,
+    /// Samples for each of them; `None` when time alone decides.
+    pub spp: Option<u64>,
+    /// Time from the start.
+    pub time: Option<Duration>,
 }
 
 enum View {
@@ -56,14 +65,14 @@ struct Update {
 }
 
 impl Reporter {
-    /// A reporter that counts time from now. `limit` is when the rendering will be stopped.
-    pub(crate) fn start(style: Style, limit: Option<Duration>) -> Self {
+    /// A reporter that counts time from now.
+    pub(crate) fn start(style: Style, goal: Goal) -> Self {
         let view = match style {
             Style::Bar if std::io::stderr().is_terminal() => View::Bar(bar()),
             Style::Json => View::Json { next: Duration::ZERO },
             Style::Bar | Style::None => View::None,
         };
-        Self { view, start: Instant::now(), limit, last: (0, Duration::ZERO) }
+        Self { view, start: Instant::now(), goal }
     }
 
     /// Time since the start.
@@ -71,69 +80,31 @@ impl Reporter {
         self.start.elapsed()
     }
 
-    /// Shows the state of the rendering. `unbounded` when only time ends it.
-    pub(crate) fn update(&mut self, progress: &Progress, unbounded: bool) -> Result<(), Failure> {
+    /// Shows the state of the rendering.
+    pub(crate) fn update(&mut self, progress: &Progress) -> Result<(), Failure> {
         /// Programs get this many updates a second at most.
         const JSON_PERIOD: Duration = Duration::from_millis(250);
         let elapsed = self.elapsed();
-        if progress.stats.paths != self.last.0 {
-            self.last = (progress.stats.paths, elapsed);
-        }
+        let update = self.goal.measure(progress, elapsed);
         match &mut self.view {
-            View::None => return Ok(()),
-            View::Json { next } if elapsed < *next && !progress.finished => return Ok(()),
-            View::Json { next } => *next = elapsed + JSON_PERIOD,
-            View::Bar(_) => {}
-        }
-        let update = self.measure(progress, elapsed, unbounded);
-        match &self.view {
             View::Bar(bar) => {
                 bar.set_position((update.done * BAR_STEPS as f64) as u64);
                 bar.set_message(update.line());
             }
-            View::Json { .. } => crate::print_json(&update)?,
-            View::None => {}
+            View::Json { next } if elapsed >= *next || progress.finished => {
+                *next = elapsed + JSON_PERIOD;
+                crate::print_json(&update)?;
+            }
+            View::Json { .. } | View::None => {}
         }
         Ok(())
-    }
-
-    fn measure(&self, progress: &Progress, elapsed: Duration, unbounded: bool) -> Update {
-        let stats = &progress.stats;
-        let counted = self.last.1.as_secs_f64();
-        let rate = |n: u64| if counted > 0.0 { n as f64 / counted } else { 0.0 };
-
-        // The samples or the clock: whichever will be done first.
-        let seconds = elapsed.as_secs_f64();
-        let by_samples = progress.samples as f64 / progress.target.max(1) as f64;
-        let by_clock = self.limit.map(|limit| seconds / limit.as_secs_f64());
-        let done = by_clock.unwrap_or(0.0).max(by_samples).min(1.0);
-        let left_by_samples = (by_samples > 0.0).then(|| (counted / by_samples - seconds).max(0.0));
-        let left_by_clock = self.limit.map(|l| l.saturating_sub(elapsed).as_secs_f64());
-        let seconds_left = match (left_by_samples, left_by_clock) {
-            (Some(a), Some(b)) => Some(a.min(b)),
-            (a, b) => a.or(b),
-        };
-
-        Update {
-            event: "progress",
-            samples: progress.samples,
-            target: (!unbounded).then_some(progress.target),
-            done: if progress.finished { 1.0 } else { done },
-            seconds,
-            seconds_left,
-            paths: stats.paths,
-            paths_per_second: rate(stats.paths),
-            rays: stats.rays,
-            rays_per_second: rate(stats.rays),
-            dropped: stats.dropped,
-        }
     }
 
     /// A line for people that stays above the bar.
     pub(crate) fn say(&self, line: &str) {
         match &self.view {
-            View::Bar(bar) => bar.suspend(|| eprintln!("{line}")),
-            View::Json { .. } | View::None => eprintln!("{line}"),
+            View::Bar(bar) => bar.suspend(|| tell(line)),
+            View::Json { .. } | View::None => tell(line),
         }
     }
 
@@ -141,6 +112,39 @@ impl Reporter {
     pub(crate) fn finish(&self) {
         if let View::Bar(bar) = &self.view {
             bar.finish_and_clear();
+        }
+    }
+}
+
+impl Goal {
+    fn measure(&self, progress: &Progress, elapsed: Duration) -> Update {
+        let seconds = elapsed.as_secs_f64();
+        let rate = |n: u64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
+        let by_samples = self.spp.map(|spp| {
+            let all = spp as f64 * self.pixels as f64;
+            (progress.paths as f64 / all, (all - progress.paths as f64) / rate(progress.paths))
+        });
+        let by_clock = self.time.map(|limit| {
+            let limit = limit.as_secs_f64();
+            (seconds / limit, limit - seconds)
+        });
+        let (done, left) = match (by_samples, by_clock) {
+            (Some(a), Some(b)) => (a.0.max(b.0), a.1.min(b.1)),
+            (Some(one), None) | (None, Some(one)) => one,
+            (None, None) => (0.0, f64::INFINITY),
+        };
+        Update {
+            event: "progress",
+            samples: progress.samples,
+            target: self.spp,
+            done: if progress.finished { 1.0 } else { done.min(1.0) },
+            seconds,
+            seconds_left: left.is_finite().then_some(left.max(0.0)),
+            paths: progress.paths,
+            paths_per_second: rate(progress.paths),
+            rays: progress.rays,
+            rays_per_second: rate(progress.rays),
+            dropped: progress.dropped.count,
         }
     }
 }
@@ -197,5 +201,40 @@ impl Drop for Spinner {
         if let Some(spinner) = &self.0 {
             spinner.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shim::Dropped;
+
+    fn progress(paths: u64) -> Progress {
+        let dropped = Dropped { count: 0, first: None };
+        Progress { samples: paths / 100, target: 64, finished: false, paths, rays: 0, dropped }
+    }
+
+    /// A quarter of the samples after 2 s leaves 6 s; a clock that strikes earlier wins.
+    #[test]
+    fn the_nearer_end_counts() {
+        let two = Duration::from_secs(2);
+        let samples = Goal { pixels: 100, spp: Some(64), time: None };
+        let update = samples.measure(&progress(1600), two);
+        assert_eq!((update.done, update.seconds_left), (0.25, Some(6.0)));
+
+        let both = Goal { time: Some(Duration::from_secs(4)), ..samples };
+        let update = both.measure(&progress(1600), two);
+        assert_eq!((update.done, update.seconds_left), (0.5, Some(2.0)));
+
+        let clock = Goal { spp: None, ..both };
+        let update = clock.measure(&progress(0), Duration::from_secs(5));
+        assert_eq!((update.done, update.seconds_left, update.target), (1.0, Some(0.0), None));
+    }
+
+    /// Before the first sample nobody knows.
+    #[test]
+    fn at_the_start_no_time_is_promised() {
+        let goal = Goal { pixels: 100, spp: Some(64), time: None };
+        assert_eq!(goal.measure(&progress(0), Duration::ZERO).seconds_left, None);
     }
 }

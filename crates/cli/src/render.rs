@@ -4,10 +4,10 @@ use crate::failure::{Exit, Failure};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Reading, timed};
 use crate::options::{self, DisplayCurve, Integrator, Sampler};
-use crate::progress::{Reporter, Spinner, Style};
+use crate::progress::{Goal, Reporter, Spinner, Style};
 use crate::shim::{Display, Prepared, Progress, Session, image_files};
 use crate::text::{scaled, several, time};
-use crate::{print_json, print_line};
+use crate::{print_json, print_line, tell};
 use rutilant::image::Image;
 use rutilant::settings::{Crop, Settings};
 use serde::Serialize;
@@ -36,10 +36,10 @@ pub(crate) struct Args {
     outputs: Vec<PathBuf>,
 
     /// Samples per pixel
-    #[arg(long, value_name = "N", help_heading = PICTURE, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", help_heading = PICTURE, value_parser = options::count::<u64>, allow_hyphen_values = true)]
     spp: Option<u64>,
     /// Stop after this time, like 60s, 5m or 1h30m; without --spp, take all samples it allows
-    #[arg(long, value_name = "TIME", help_heading = PICTURE, value_parser = options::duration)]
+    #[arg(long, value_name = "TIME", help_heading = PICTURE, value_parser = options::duration, allow_hyphen_values = true)]
     time: Option<Duration>,
     /// Width and height in pixels, like 800x600
     #[arg(long, value_name = "WxH", help_heading = PICTURE, value_parser = options::size)]
@@ -58,7 +58,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME", help_heading = LIGHT, value_enum)]
     sampler: Option<Sampler>,
     /// The longest path in segments: 1 is emission seen directly, 2 direct light
-    #[arg(long, value_name = "N", help_heading = LIGHT, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", help_heading = LIGHT, value_parser = options::count::<u32>, allow_hyphen_values = true)]
     max_depth: Option<u32>,
 
     /// Brightness in stops: each doubles it. Scene-linear files keep radiance as it is
@@ -71,7 +71,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     reading: Reading,
 
-    /// Threads; any number gives the same picture
+    /// Threads; any number gives the same picture [default: one for each core]
     #[arg(long, value_name = "N", help_heading = RUNNING, value_parser = options::threads, default_value_t = options::all_threads(), hide_default_value = true)]
     threads: usize,
     /// How progress is shown
@@ -162,7 +162,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     drop(loaded.scene);
     drop(spinner);
     if !args.quiet {
-        notes.iter().for_each(|note| eprintln!("note: {note}"));
+        notes.iter().for_each(|note| tell(&format!("note: {note}")));
     }
 
     // Render.
@@ -178,7 +178,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     written.map_err(Failure::failed)?;
 
     // Tell.
-    let Progress { samples, stats, .. } = rendered.progress;
+    let Progress { samples, paths, rays, dropped, .. } = rendered.progress;
     let per_second = |n: u64| n as f64 / rendered.time.as_secs_f64().max(1e-9);
     let outcome = Outcome {
         event: "done",
@@ -189,12 +189,12 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         crop: settings.crop.map(|c| [c.x, c.y, c.width, c.height]),
         spp: samples,
         interrupted: interrupt.requested(),
-        paths: stats.paths,
-        rays: stats.rays,
-        dropped: stats.dropped,
-        first_dropped: stats.first_dropped.map(|d| Dropped { x: d.x, y: d.y, sample: d.sample }),
-        paths_per_second: per_second(stats.paths),
-        rays_per_second: per_second(stats.rays),
+        paths,
+        rays,
+        dropped: dropped.count,
+        first_dropped: dropped.first.map(|d| Dropped { x: d.x, y: d.y, sample: d.sample }),
+        paths_per_second: per_second(paths),
+        rays_per_second: per_second(rays),
         threads: args.threads,
         seconds: Seconds {
             read: reading.as_secs_f64(),
@@ -279,35 +279,57 @@ fn render(
     interrupt: &Interrupt,
 ) -> Result<Rendered, Failure> {
     /// How often to look.
-    const PERIOD: Duration = Duration::from_millis(50);
-    let unbounded = settings.spp == UNBOUNDED;
-    let mut reporter = Reporter::start(style, args.time);
+    const PERIOD: Duration = Duration::from_millis(20);
+    let Crop { width, height, .. } = settings.window();
+    let pixels = u64::from(width) * u64::from(height);
+    let spp = (settings.spp != UNBOUNDED).then_some(settings.spp);
+    let mut reporter = Reporter::start(style, Goal { pixels, spp, time: args.time });
     let session = Session::start(Arc::clone(prepared), settings.clone(), args.threads)?;
     interrupt.rendering_starts();
 
     let mut stopping = false;
-    loop {
-        let left = args.time.map_or(PERIOD, |limit| limit.saturating_sub(reporter.elapsed()));
-        let finished = session.wait(left.clamp(Duration::from_millis(1), PERIOD));
-        reporter.update(&session.progress(), unbounded)?;
+    let progress = loop {
+        let finished = session.wait(PERIOD);
+        let progress = session.progress();
+        reporter.update(&progress)?;
         if finished {
-            break;
+            break progress;
         }
-        if !stopping && interrupt.requested() {
+        // Before the first path there is no pass that could be finished, and no picture.
+        if stopping || progress.paths == 0 {
+            continue;
+        }
+        if interrupt.requested() {
+            reporter.say("finishing this pass to write the image; again to stop at once");
+        }
+        if interrupt.requested()
+            || args.time.is_some_and(|t| is_over(t, &reporter, &progress, pixels))
+        {
             session.finish_pass();
             stopping = true;
-            reporter.say(
-                "stopping: this pass will be finished and the image written; again to stop at once",
-            );
         }
-        if !stopping && args.time.is_some_and(|limit| reporter.elapsed() >= limit) {
-            session.finish_pass();
-            stopping = true;
-        }
-    }
+    };
     let time = reporter.elapsed();
     reporter.finish();
-    Ok(Rendered { image: session.snapshot(), progress: session.progress(), time })
+    if progress.samples < settings.spp && !stopping {
+        return Err(Failure::failed(
+            "the rendering ended by itself; this is a bug in the renderer",
+        ));
+    }
+    Ok(Rendered { image: session.snapshot(), progress, time })
+}
+
+/// True when the pass in flight should be the last one: the time is over, or another pass
+/// would take much longer than what is left of it.
+fn is_over(limit: Duration, reporter: &Reporter, progress: &Progress, pixels: u64) -> bool {
+    /// So much later than asked for is as good as on time.
+    const TOLERANCE: f64 = 0.25;
+    let (limit, elapsed) = (limit.as_secs_f64(), reporter.elapsed().as_secs_f64());
+    let seconds_per_path = elapsed / progress.paths.max(1) as f64;
+    let done_in_this_pass = progress.paths.saturating_sub(progress.samples * pixels);
+    let left_of_this_pass = pixels.saturating_sub(done_in_this_pass) as f64 * seconds_per_path;
+    let another_pass = pixels as f64 * seconds_per_path;
+    elapsed >= limit || elapsed + left_of_this_pass + another_pass > limit + TOLERANCE
 }
 
 /// What came of it, for people.
@@ -315,37 +337,37 @@ fn summarize(outcome: &Outcome, built_in: bool) {
     let Outcome { size: [width, height], spp, dropped, .. } = outcome;
     let seconds = |s: f64| time(Duration::from_secs_f64(s));
     let window = outcome.crop.map(|[x, y, w, h]| format!(" (window {w}×{h} at {x},{y})"));
-    eprintln!(
+    tell(&format!(
         "{}: {width}×{height}{}, {}, {}samples/s, {}rays/s",
         outcome.scene.display(),
         window.unwrap_or_default(),
         several(*spp, "sample per pixel", "samples per pixel"),
         scaled(outcome.paths_per_second),
         scaled(outcome.rays_per_second),
-    );
+    ));
     let took = &outcome.seconds;
-    eprintln!(
+    tell(&format!(
         "read {}, prepared {}, rendered {}, wrote {}",
         seconds(took.read),
         seconds(took.prepare),
         seconds(took.render),
         seconds(took.write),
-    );
+    ));
     if let Some(Dropped { x, y, sample }) = outcome.first_dropped {
-        eprintln!(
+        tell(&format!(
             "note: {} not a number and left out; the first in pixel {x},{y}, sample {sample}",
             several(*dropped, "sample was", "samples were"),
-        );
+        ));
     }
     for output in &outcome.outputs {
-        eprintln!("wrote {}", output.display());
+        tell(&format!("wrote {}", output.display()));
     }
     if built_in {
-        eprintln!(
+        tell(&format!(
             "\nThis is the built-in scene. Next, try\n  \
              rutilant --spp 1024 -o glass-cube.exr     less noise, scene-linear\n  \
              rutilant model.obj                        a mesh of your own, or a scene in TOML\n  \
              rutilant --help                           everything else"
-        );
+        ));
     }
 }

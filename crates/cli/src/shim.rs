@@ -82,17 +82,17 @@ pub struct At {
     pub y: u32,
     pub sample: u64,
 }
-pub struct Stats {
-    pub paths: u64,
-    pub rays: u64,
-    pub dropped: u64,
-    pub first_dropped: Option<At>,
+pub struct Dropped {
+    pub count: u64,
+    pub first: Option<At>,
 }
 pub struct Progress {
     pub samples: u64,
     pub target: u64,
     pub finished: bool,
-    pub stats: Stats,
+    pub paths: u64,
+    pub rays: u64,
+    pub dropped: Dropped,
 }
 pub struct Session;
 impl Session {

@@ -9,7 +9,7 @@ mod testing;
 use crate::failure::{Exit, Failure};
 use crate::shim::{Curve, Display, image_files};
 use crate::text::several;
-use crate::{options, print_json, print_line};
+use crate::{options, print_json, print_line, tell};
 use metrics::Errors;
 use rutilant::image::Image;
 use rutilant_formats::Limits;
@@ -141,7 +141,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         // The colours are made for the display as they are.
         image_files::write(path, &diff, &Display { exposure: 0.0, curve: Curve::Clip })
             .map_err(Failure::failed)?;
-        eprintln!("wrote {}", path.display());
+        tell(&format!("wrote {}", path.display()));
     }
     if args.json {
         print_json(&comparison)?;
