@@ -1,6 +1,7 @@
 //! An axis-aligned bounding box.
 
 use crate::Vec3;
+use glam::DVec3;
 
 /// The box of all points between two corners, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,4 +55,14 @@ impl Aabb {
         let e = self.extent();
         e.x * e.y + e.y * e.z + e.z * e.x
     }
+}
+
+/// The next single-precision numbers below, so that a box surely holds `p`.
+pub(crate) fn rounded_down(p: DVec3) -> Vec3 {
+    Vec3::new((p.x as f32).next_down(), (p.y as f32).next_down(), (p.z as f32).next_down())
+}
+
+/// The next single-precision numbers above, so that a box surely holds `p`.
+pub(crate) fn rounded_up(p: DVec3) -> Vec3 {
+    Vec3::new((p.x as f32).next_up(), (p.y as f32).next_up(), (p.z as f32).next_up())
 }
