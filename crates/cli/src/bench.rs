@@ -3,10 +3,9 @@
 use crate::failure::{Exit, Failure};
 use crate::load::{self, timed};
 use crate::options;
-use crate::shim::{BuildOptions, Surfaces};
 use crate::text::{bytes, count, time};
 use crate::{print_json, print_line};
-use rutilant_geom::{Ray, Vec3};
+use rutilant_geom::{BuildOptions, Ray, Surfaces, Vec3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -99,7 +98,7 @@ fn rays(args: &RaysArgs) -> Result<Exit, Failure> {
         repetitions: args.repetitions,
         build_seconds: building.as_secs_f64(),
         nodes: built.nodes as u64,
-        sah_cost: f64::from(built.sah_cost),
+        sah_cost: built.sah_cost,
         bytes: built.bytes as u64,
         sets: Vec::new(),
     };

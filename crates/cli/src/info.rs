@@ -4,13 +4,12 @@ use crate::check::{contents, lamps, triangles};
 use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading, timed};
 use crate::options;
-use crate::text::{bytes, count, several, time};
+use crate::text::{bytes, several, significant, time};
 use crate::{print_json, print_line, tell};
 use rutilant::light::{EnvironmentLight, Light};
 use rutilant::material::MaterialKind;
 use rutilant::scene::Scene;
 use rutilant::shape::{Object, Shape};
-use rutilant_geom::{Aabb, Vec3};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -46,6 +45,7 @@ struct Info {
     /// Lower and upper corner in metres; absent for a scene without surfaces.
     bounds: Option<[[f32; 3]; 2]>,
     read_seconds: f64,
+    /// Building the tree, and little else.
     prepare_seconds: f64,
     bvh: Tree,
     notes: Vec<String>,
@@ -59,8 +59,8 @@ struct Tree {
     depth: u64,
     sah_cost: f64,
     bytes: u64,
+    largest_leaf: u64,
     left_out: u64,
-    build_seconds: f64,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     let mut notes = loaded.notes.clone();
     notes.extend(report.notes.iter().cloned());
-    let bounds = bounds(scene);
+    let bounds = report.bounds;
     let info = Info {
         scene: args.scene.clone().unwrap_or_else(|| load::BUILT_IN.into()),
         size: loaded.settings.size,
@@ -92,10 +92,10 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
             nodes: report.bvh.nodes as u64,
             leaves: report.bvh.leaves as u64,
             depth: report.bvh.depth as u64,
-            sah_cost: f64::from(report.bvh.sah_cost),
+            sah_cost: report.bvh.sah_cost,
             bytes: report.bvh.bytes as u64,
-            left_out: report.bvh.left_out as u64,
-            build_seconds: preparing.as_secs_f64(),
+            largest_leaf: report.bvh.largest_leaf as u64,
+            left_out: report.bvh.left_out.count as u64,
         },
         notes,
     };
@@ -148,7 +148,8 @@ fn describe(info: &Info, contents: &str, lamps: u64) -> String {
     }
     match info.bounds {
         Some([min, max]) => {
-            row("bounds", &format!("{min:?} to {max:?} m"));
+            let point = |p: [f32; 3]| p.map(significant).join(", ");
+            row("bounds", &format!("({}) to ({}) m", point(min), point(max)));
         }
         None => row("bounds", "none: there are no surfaces"),
     }
@@ -156,9 +157,9 @@ fn describe(info: &Info, contents: &str, lamps: u64) -> String {
     row(
         "ray tree",
         &format!(
-            "{} nodes, {} leaves, depth {}, SAH cost {:.2}, {}",
-            count(tree.nodes),
-            count(tree.leaves),
+            "{}, {}, depth {}, SAH cost {:.2}, {}",
+            several(tree.nodes, "node", "nodes"),
+            several(tree.leaves, "leaf", "leaves"),
             tree.depth,
             tree.sah_cost,
             bytes(tree.bytes),
@@ -175,7 +176,7 @@ fn describe(info: &Info, contents: &str, lamps: u64) -> String {
     }
     row(
         "time",
-        &format!("read {}, prepare {}", seconds(info.read_seconds), seconds(info.prepare_seconds)),
+        &format!("read {}, build {}", seconds(info.read_seconds), seconds(info.prepare_seconds)),
     );
     text
 }
@@ -219,41 +220,4 @@ fn kinds_of_lights(scene: &Scene) -> Vec<&'static str> {
         EnvironmentLight::Image(_) => "sky image",
     });
     glowing.chain(lights).chain(sky).collect()
-}
-
-/// The box around all surfaces in the world; points that are not finite do not count.
-fn bounds(scene: &Scene) -> Aabb {
-    scene.objects.iter().fold(Aabb::EMPTY, |all, object| {
-        let place = &object.world_from_object;
-        let around = |points: &mut dyn Iterator<Item = Vec3>| {
-            Aabb::around(points.map(|p| place.point(p)).filter(|p| p.is_finite()))
-        };
-        let corners = |half: Vec3| {
-            let signs = |bit: u32, i: u32| if i & bit == 0 { -1.0 } else { 1.0 };
-            around(&mut (0..8).map(|i| half * Vec3::new(signs(1, i), signs(2, i), signs(4, i))))
-        };
-        all.union(match object.shape {
-            Shape::Mesh(id) => {
-                let mesh = scene.meshes.get(id.0 as usize);
-                around(&mut mesh.into_iter().flat_map(|m| m.positions.iter().copied()))
-            }
-            Shape::Sphere { radius } => {
-                let center = place.point(Vec3::ZERO);
-                let radius = Vec3::splat(radius * place.uniform_scale().unwrap_or(1.0));
-                Aabb { min: center - radius, max: center + radius }
-            }
-            Shape::Rectangle { size } => corners((0.5 * size).extend(0.0)),
-            Shape::Disk { radius } => disk_bounds(object, radius),
-            Shape::Box { size } => corners(0.5 * size),
-        })
-    })
-}
-
-/// A disk reaches √(x² + y²) along each axis, x and y being its radii's parts along that axis.
-fn disk_bounds(object: &Object, radius: f32) -> Aabb {
-    let place = &object.world_from_object;
-    let center = place.point(Vec3::ZERO);
-    let (x, y) = (place.vector(Vec3::X * radius), place.vector(Vec3::Y * radius));
-    let reach = (x * x + y * y).map(f32::sqrt);
-    Aabb { min: center - reach, max: center + reach }
 }

@@ -1,8 +1,9 @@
 //! Scenes from the command line, timed.
 
 use crate::failure::Failure;
-use crate::shim::{LoadedScene, Prepared, ReadOptions, parse_native, read_scene};
+use crate::shim::{LoadedScene, ReadOptions, parse_native, read_scene};
 use clap::Args;
+use rutilant::Prepared;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -28,7 +28,6 @@ use std::process::ExitCode;
     about = "Rutilant takes a scene and gives the picture that light would make.",
     after_help = EXAMPLES,
     args_conflicts_with_subcommands = true,
-    disable_help_subcommand = true,
     max_term_width = 100
 )]
 struct Cli {

@@ -1,7 +1,7 @@
 //! Values of options: what is written on the command line, and what it means.
 
-use crate::shim::Curve;
 use clap::ValueEnum;
+use rutilant::display::Curve;
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
 use std::time::Duration;
 

@@ -1,11 +1,11 @@
 //! What is said while a picture is being rendered: a bar for people, lines of JSON for programs.
 
 use crate::failure::Failure;
-use crate::shim::Progress;
 use crate::tell;
 use crate::text::{count, scaled, time};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use rutilant::Progress;
 use serde::Serialize;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -159,7 +159,7 @@ impl Update {
             scaled(self.paths_per_second),
             scaled(self.rays_per_second)
         );
-        if let Some(left) = self.seconds_left {
+        if let Some(left) = self.seconds_left.filter(|left| *left > 0.0) {
             line += &format!("  {} left", time(Duration::from_secs_f64(left.min(1e9))));
         }
         if self.dropped > 0 {
@@ -207,7 +207,7 @@ impl Drop for Spinner {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shim::Dropped;
+    use rutilant::film::Dropped;
 
     fn progress(paths: u64) -> Progress {
         let dropped = Dropped { count: 0, first: None };

@@ -5,11 +5,13 @@ use crate::interrupt::Interrupt;
 use crate::load::{self, Reading, timed};
 use crate::options::{self, DisplayCurve, Integrator, Sampler};
 use crate::progress::{Goal, Reporter, Spinner, Style};
-use crate::shim::{Display, Prepared, Progress, Session, image_files};
+use crate::shim::image_files;
 use crate::text::{scaled, several, time};
 use crate::{print_json, print_line, tell};
+use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant::settings::{Crop, Settings};
+use rutilant::{Prepared, Progress, Session};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -279,7 +281,7 @@ fn render(
     interrupt: &Interrupt,
 ) -> Result<Rendered, Failure> {
     /// How often to look.
-    const PERIOD: Duration = Duration::from_millis(20);
+    const PERIOD: Duration = Duration::from_millis(50);
     let Crop { width, height, .. } = settings.window();
     let pixels = u64::from(width) * u64::from(height);
     let spp = (settings.spp != UNBOUNDED).then_some(settings.spp);
@@ -363,11 +365,11 @@ fn summarize(outcome: &Outcome, built_in: bool) {
         tell(&format!("wrote {}", output.display()));
     }
     if built_in {
-        tell(&format!(
+        tell(
             "\nThis is the built-in scene. Next, try\n  \
              rutilant --spp 1024 -o glass-cube.exr     less noise, scene-linear\n  \
              rutilant model.obj                        a mesh of your own, or a scene in TOML\n  \
-             rutilant --help                           everything else"
-        ));
+             rutilant --help                           everything else",
+        );
     }
 }

@@ -29,6 +29,22 @@ pub(crate) fn scaled(x: f64) -> String {
     format!("{x:.digits$} {prefix}")
 }
 
+/// `1.2346`: five digits, for lengths.
+pub(crate) fn significant(x: f32) -> String {
+    let digits = match x.abs() {
+        a if a < 1e-4 || a >= 1e6 => {
+            return if x == 0.0 { "0".to_owned() } else { format!("{x:.4e}") };
+        }
+        a => (4.0 - a.log10().floor()).max(0.0) as usize,
+    };
+    let text = format!("{x:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
 /// `0.31 s`, `1 min 05 s`, `2 h 05 min`.
 pub(crate) fn time(t: Duration) -> String {
     let seconds = t.as_secs_f64();
@@ -59,6 +75,21 @@ mod tests {
         assert_eq!(scaled(3_414_000.0), "3.41 M");
         assert_eq!(several(1, "mesh", "meshes"), "1 mesh");
         assert_eq!(several(0, "light", "lights"), "0 lights");
+    }
+
+    #[test]
+    fn lengths_have_five_digits() {
+        for (x, text) in [
+            (0.0, "0"),
+            (-1.000_000_1, "-1"),
+            (0.012_345_67, "0.012346"),
+            (1234.56, "1234.6"),
+            (100_000.0, "100000"),
+            (3.5e8, "3.5000e8"),
+            (1e-7, "1.0000e-7"),
+        ] {
+            assert_eq!(significant(x), text);
+        }
     }
 
     #[test]

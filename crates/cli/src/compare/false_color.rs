@@ -6,6 +6,8 @@
 //! to the public domain (CC0); here 17 of its colours with straight lines
 //! between them, which is never more than 0.011 off.
 
+use rutilant::display::linear_from_srgb;
+
 /// sRGB bytes at 0, 1/16, …, 1.
 const MAGMA: [[u8; 3]; 17] = [
     [0, 0, 4],
@@ -35,7 +37,7 @@ pub(crate) fn magma(value: f32) -> [f32; 3] {
     let high = (low + 1).min(MAGMA.len() - 1);
     [0, 1, 2].map(|i| {
         let (a, b) = (f32::from(MAGMA[low][i]), f32::from(MAGMA[high][i]));
-        super::srgb_decode((a + (b - a) * part) / 255.0)
+        linear_from_srgb((a + (b - a) * part) / 255.0)
     })
 }
 

@@ -7,10 +7,11 @@ mod metrics;
 mod testing;
 
 use crate::failure::{Exit, Failure};
-use crate::shim::{Curve, Display, image_files};
+use crate::shim::image_files;
 use crate::text::several;
 use crate::{options, print_json, print_line, tell};
 use metrics::Errors;
+use rutilant::display::{Curve, Display, linear_from_srgb};
 use rutilant::image::Image;
 use rutilant_formats::Limits;
 use serde::Serialize;
@@ -117,7 +118,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let (test_shown, reference_shown) = (encoded(&test), encoded(&reference));
     let psnr = metrics::psnr(&test_shown, &reference_shown, &counts);
 
-    let light = |p: &Pixels| p.map(|rgb| rgb.map(srgb_decode));
+    let light = |p: &Pixels| p.map(|rgb| rgb.map(linear_from_srgb));
     let map = flip::ldr(&light(&reference_shown), &light(&test_shown), flip::PIXELS_PER_DEGREE);
     let linear = [&args.image, &args.reference].into_iter().all(|path| is_scene_linear(path));
     let hdr_map = linear.then(|| flip::hdr(&reference, &test, flip::PIXELS_PER_DEGREE));
@@ -202,9 +203,4 @@ fn describe(c: &Comparison<'_>) -> String {
         }
     }
     text
-}
-
-/// From an sRGB value to linear light, both 0 to 1 (IEC 61966-2-1).
-fn srgb_decode(v: f32) -> f32 {
-    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
