@@ -170,14 +170,16 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     // Render.
     let rendered = render(args, style, &prepared, &settings, &interrupt)?;
 
-    // Write. Interrupting this would leave half of a file.
+    // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
-    let (written, writing) = timed(|| {
-        interrupt.while_writing(|| {
-            outputs.iter().try_for_each(|path| image_files::write(path, &rendered.image, &display))
-        })
-    });
-    written.map_err(Failure::failed)?;
+    let write = |path: &PathBuf| image_files::write(path, &rendered.image, &display);
+    let (written, writing) =
+        timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));
+    let mut failures = written.into_iter().filter_map(Result::err).map(Failure::failed);
+    if let Some(first) = failures.next() {
+        failures.for_each(|failure| tell(&failure.line));
+        return Err(first);
+    }
 
     // Tell.
     let Progress { samples, paths, rays, dropped, .. } = rendered.progress;
