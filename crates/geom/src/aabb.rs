@@ -37,6 +37,11 @@ impl Aabb {
         !(self.min.cmple(self.max)).all()
     }
 
+    /// True if no coordinate is NaN or infinite.
+    pub fn is_finite(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite()
+    }
+
     /// The middle. Halves are added so that huge boxes do not overflow.
     pub fn center(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5

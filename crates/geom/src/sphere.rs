@@ -57,7 +57,7 @@ impl Sphere {
         let nearest = f + d * (b / a);
         let discriminant = r * r - nearest.dot(nearest);
         let discriminant = if c <= 0.0 { discriminant.max(0.0) } else { discriminant };
-        if !(discriminant >= 0.0) {
+        if discriminant < 0.0 {
             return None;
         }
 

@@ -173,7 +173,7 @@ impl Surfaces {
         let i = primitive as usize;
         let (position, normal, [u, v]) = if i < self.triangles.len() {
             let corners = self.triangle(primitive);
-            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
             let position = a + (b - a) * u + (c - a) * v;
             (position, unit(triangle_normal(corners)), [u as f32, v as f32])
         } else if let Some(sphere) = self.spheres.get(i - self.triangles.len()) {
@@ -212,7 +212,7 @@ enum Leaf {
 
 /// Twice the area along the normal; zero exactly for a triangle without area.
 fn triangle_normal(corners: [Vec3; 3]) -> DVec3 {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
     (b - a).cross(c - a)
 }
 

@@ -238,7 +238,7 @@ impl Assembly {
             materials: scene.materials.len() as u64,
             emitters: self.emitters.len() as u64,
             bounds: surfaces.bounds(),
-            bvh: surfaces.report().clone(),
+            bvh: *surfaces.report(),
             notes: self.notes,
         };
         Prepared {

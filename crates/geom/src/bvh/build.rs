@@ -81,7 +81,7 @@ impl Bvh {
     /// If there are 2³¹ primitives or more.
     pub fn build(bounds: &[Aabb], options: &BuildOptions) -> Self {
         assert!(bounds.len() < 1 << 31, "too many primitives for one tree");
-        let proper = |b: &Aabb| b.min.is_finite() && b.max.is_finite() && !b.is_empty();
+        let proper = |b: &Aabb| b.is_finite() && !b.is_empty();
         let mut items = Vec::with_capacity(bounds.len());
         let mut left_out = LeftOut::default();
         for (number, bounds) in (0u32..).zip(bounds) {
@@ -275,7 +275,7 @@ impl Builder<'_> {
                 + f64::from(self.options.intersection_cost) * split.cost;
             let leaf =
                 f64::from(self.options.intersection_cost) * half_area(&part.bounds) * n as f64;
-            if may_be_leaf && !(inner < leaf) {
+            if may_be_leaf && leaf <= inner {
                 return None;
             }
             if depth + 1 + halvings(split.largest) <= MAX_DEPTH {

@@ -28,10 +28,10 @@ pub(crate) struct Pixel {
 impl Pixel {
     /// Adds a sample.
     fn add(&mut self, value: Spectrum) {
-        let value = value.channels().map(f64::from);
-        for c in 0..3 {
-            self.sum[c] += value[c];
-            self.sum_of_squares[c] += value[c] * value[c];
+        let sums = self.sum.iter_mut().zip(&mut self.sum_of_squares);
+        for ((sum, sum_of_squares), v) in sums.zip(value.channels().map(f64::from)) {
+            *sum += v;
+            *sum_of_squares += v * v;
         }
         self.count += 1;
     }

@@ -116,7 +116,7 @@ impl EnvironmentEmitter {
             Sky::Map(map) => {
                 let (uv, pdf_uv) = map.distribution.as_ref()?.sample(u)?;
                 let direction = direction_from_uv(uv);
-                (self.from_map(direction), map.radiance(uv), pdf_uv * uv_per_solid_angle(direction))
+                (self.to_world(direction), map.radiance(uv), pdf_uv * uv_per_solid_angle(direction))
             }
         };
         (!radiance.is_black() && pdf.is_finite() && pdf > 0.0).then_some(EmitterSample {
@@ -157,7 +157,7 @@ impl EnvironmentEmitter {
     }
 
     /// The map's directions to the world's.
-    fn from_map(&self, d: Vec3) -> Vec3 {
+    fn to_world(&self, d: Vec3) -> Vec3 {
         let (s, c) = self.turn;
         Vec3::new(c * d.x + s * d.z, d.y, -s * d.x + c * d.z)
     }

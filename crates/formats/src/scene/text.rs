@@ -1,0 +1,387 @@
+//! Words and numbers out of text, byte by byte, and the way back from a byte to its line.
+//!
+//! Nothing here copies or decodes the text. A reader remembers byte positions;
+//! only an error asks which line and column one of them is.
+
+use crate::file::Refused;
+use crate::{SceneError, SceneErrorKind, Source};
+use std::path::Path;
+
+/// A place in a text that moves forward.
+#[derive(Clone, Copy)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    /// The position of the next byte.
+    pub at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// The beginning of a text, behind the byte order mark if there is one.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 } }
+    }
+
+    /// The same text from byte `at` on.
+    pub(super) fn at(bytes: &'a [u8], at: usize) -> Self {
+        Self { bytes, at: at.min(bytes.len()) }
+    }
+
+    /// The next byte; `None` at the end of the text.
+    #[inline]
+    pub(super) fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.at).copied()
+    }
+
+    /// Everything from here on.
+    #[inline]
+    pub(super) fn rest(&self) -> &'a [u8] {
+        self.bytes.get(self.at..).unwrap_or_default()
+    }
+
+    /// Takes the next byte if it is `byte`.
+    #[inline]
+    pub(super) fn take(&mut self, byte: u8) -> bool {
+        let there = self.peek() == Some(byte);
+        self.at += usize::from(there);
+        there
+    }
+
+    /// Skips blanks of this line. A `\` at the end of a line counts as one, so the line goes on.
+    #[inline]
+    pub(super) fn skip_blanks(&mut self) {
+        while let Some(byte) = self.peek() {
+            if is_blank(byte) {
+                self.at += 1;
+            } else if byte == b'\\' && self.line_end_length(self.at + 1) > 0 {
+                self.at += 1 + self.line_end_length(self.at + 1);
+            } else {
+                break;
+            }
+        }
+    }
+
+    /// Skips blanks and line ends.
+    #[inline]
+    pub(super) fn skip_space(&mut self) {
+        while self.peek().is_some_and(is_space) {
+            self.at += 1;
+        }
+    }
+
+    /// Skips blanks, and says whether nothing else stands on this line.
+    #[inline]
+    pub(super) fn line_is_done(&mut self) -> bool {
+        self.skip_blanks();
+        self.peek().is_none_or(|byte| matches!(byte, b'\n' | b'\r' | b'#'))
+    }
+
+    /// Skips the rest of this line and its end, continuations included.
+    pub(super) fn skip_line(&mut self) {
+        let mut comment = false;
+        while let Some(byte) = self.peek() {
+            let line_end = self.line_end_length(self.at);
+            if line_end > 0 {
+                // A comment ends with its line, whatever its last byte.
+                let continues =
+                    !comment && self.at > 0 && self.bytes.get(self.at - 1) == Some(&b'\\');
+                self.at += line_end;
+                if !continues {
+                    return;
+                }
+            } else {
+                comment |= byte == b'#';
+                self.at += 1;
+            }
+        }
+    }
+
+    /// The bytes up to the next blank or line end; empty where one stands here.
+    #[inline]
+    pub(super) fn word(&mut self) -> &'a [u8] {
+        let rest = self.rest();
+        let length = rest.iter().position(|&byte| is_space(byte)).unwrap_or(rest.len());
+        self.at += length;
+        &rest[..length]
+    }
+
+    /// The rest of the line as a name: blanks inside belong to it, blanks around it do not.
+    pub(super) fn name(&mut self) -> String {
+        self.skip_blanks();
+        let rest = self.rest();
+        let length =
+            rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        self.at += length;
+        decode(rest[..length].trim_ascii())
+    }
+
+    /// The number that starts here, ended by a blank, a line end or the end of the text.
+    /// The value is that of `str::parse`; `None`, and no step forward, where that fails.
+    #[inline]
+    pub(super) fn number(&mut self) -> Option<f32> {
+        let rest = self.rest();
+        if let Some((value, length)) = simple_number(rest)
+            && rest.get(length).copied().is_none_or(is_space)
+        {
+            self.at += length;
+            return Some(value);
+        }
+        let length = rest.iter().position(|&byte| is_space(byte)).unwrap_or(rest.len());
+        let value = std::str::from_utf8(&rest[..length]).ok()?.parse().ok()?;
+        self.at += length;
+        Some(value)
+    }
+
+    /// The whole number that starts here, with a sign or not; what stands behind it is not
+    /// looked at. `None`, and no step forward, where there is none; too large ones come out as
+    /// the largest.
+    #[inline]
+    pub(super) fn whole_number(&mut self) -> Option<i64> {
+        let start = self.at;
+        let negative = self.take(b'-');
+        if !negative {
+            self.take(b'+');
+        }
+        let digits = self.at;
+        let mut value = 0_i64;
+        while let Some(digit) = self.peek().map(|byte| byte.wrapping_sub(b'0'))
+            && digit < 10
+        {
+            value = value.saturating_mul(10).saturating_add(i64::from(digit));
+            self.at += 1;
+        }
+        if self.at == digits {
+            self.at = start;
+            return None;
+        }
+        Some(if negative { -value } else { value })
+    }
+
+    /// Bytes of the line end at `at`; 0 where there is none.
+    #[inline]
+    fn line_end_length(&self, at: usize) -> usize {
+        match self.bytes.get(at) {
+            Some(b'\n') => 1,
+            Some(b'\r') => 1 + usize::from(self.bytes.get(at + 1) == Some(&b'\n')),
+            _ => 0,
+        }
+    }
+}
+
+#[inline]
+fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | 0x0b | 0x0c)
+}
+
+#[inline]
+pub(super) fn is_space(byte: u8) -> bool {
+    is_blank(byte) || matches!(byte, b'\n' | b'\r')
+}
+
+/// The decimal number that `bytes` start with, and its length, where one division of exact
+/// numbers gives it (Clinger, *How to Read Floating Point Numbers Accurately*, 1990).
+///
+/// `None` does not mean that there is no number, only that this is not the way to read it.
+#[inline]
+fn simple_number(bytes: &[u8]) -> Option<(f32, usize)> {
+    let mut at = 0;
+    let negative = bytes.first() == Some(&b'-');
+    at += usize::from(negative);
+
+    let mut mantissa = 0_u64;
+    let mut eat_digits = |at: &mut usize| {
+        let start = *at;
+        while let Some(digit) = bytes.get(*at).map(|byte| byte.wrapping_sub(b'0'))
+            && digit < 10
+        {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            *at += 1;
+        }
+        *at - start
+    };
+    let whole = eat_digits(&mut at);
+    let mut fraction = 0;
+    if bytes.get(at) == Some(&b'.') {
+        at += 1;
+        fraction = eat_digits(&mut at);
+    }
+    // Twenty digits may not fit into 64 bits.
+    if whole + fraction == 0 || whole + fraction > 19 {
+        return None;
+    }
+
+    let mut exponent = 0 - fraction as i32;
+    if let Some(b'e' | b'E') = bytes.get(at) {
+        let negative = bytes.get(at + 1) == Some(&b'-');
+        at += 1 + usize::from(negative || bytes.get(at + 1) == Some(&b'+'));
+        let digits = bytes[at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+        if digits == 0 || digits > 3 {
+            return None;
+        }
+        let written = bytes[at..at + digits].iter().fold(0, |e, d| e * 10 + i32::from(d - b'0'));
+        exponent += if negative { -written } else { written };
+        at += digits;
+    }
+
+    // Both operands are exact, so the result is the one f64 nearest to the number …
+    if mantissa > 1 << 53 {
+        return None;
+    }
+    let power = *POWERS_OF_TEN.get(exponent.unsigned_abs() as usize)?;
+    let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
+    // … and rounding that to f32 is right, but where it lies half-way between two of them: the
+    // number itself may lie to either side. Subnormal f32 have their half-ways elsewhere.
+    let halfway = value.to_bits() & 0x1fff_ffff == 0x1000_0000;
+    if halfway || (value < f64::from(f32::MIN_POSITIVE) && mantissa != 0) {
+        return None;
+    }
+    let value = value as f32;
+    Some((if negative { -value } else { value }, at))
+}
+
+/// The powers of ten that an f64 holds exactly.
+const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// Text of a file as a name: UTF-8, or else the Latin-1 that older exporters write.
+pub(super) fn decode(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+    }
+}
+
+/// A word of a file for a message: in quotes, escaped and not endless.
+pub(super) fn quoted(word: &[u8]) -> String {
+    const LONGEST: usize = 32;
+    let shown = decode(&word[..word.len().min(LONGEST)]);
+    let dots = if word.len() > LONGEST { "…" } else { "" };
+    format!("\"{}{dots}\"", shown.escape_debug())
+}
+
+/// The place of byte `at` in the text `bytes` of `file`.
+pub(super) fn place(file: &Path, bytes: &[u8], at: usize) -> Source {
+    let before = &bytes[..at.min(bytes.len())];
+    let before = before.strip_prefix(b"\xef\xbb\xbf").unwrap_or(before);
+    let mut line = 1_u32;
+    let mut start = 0;
+    for (i, &byte) in before.iter().enumerate() {
+        let lone_return = byte == b'\r' && before.get(i + 1) != Some(&b'\n');
+        if byte == b'\n' || lone_return {
+            line = line.saturating_add(1);
+            start = i + 1;
+        }
+    }
+    // In UTF-8 every character has one byte that is not of the form 10xxxxxx.
+    let column = before[start..].iter().filter(|&&byte| byte & 0xc0 != 0x80).count() + 1;
+    Source::at(file, line, u32::try_from(column).unwrap_or(u32::MAX))
+}
+
+/// An error of the file as a whole, because its bytes could not be had.
+pub(super) fn refused(file: &Path, refused: Refused) -> SceneError {
+    let kind = match refused {
+        Refused::NotAFile(_) => SceneErrorKind::Invalid(refused.to_string()),
+        Refused::TooLarge { asked, allowed } => {
+            SceneErrorKind::Limit { what: "bytes", asked, allowed }
+        }
+        Refused::Io(error) => SceneErrorKind::Io(error),
+    };
+    SceneError { at: Source::file(file), kind }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(text: &str) -> Option<f32> {
+        Cursor::new(text.as_bytes()).number()
+    }
+
+    /// Numbers are those of `str::parse`, to the last bit. The list holds the border cases of
+    /// both ways to read: many digits, half-way cases, subnormals, overflow, signs, words.
+    #[test]
+    fn numbers_are_those_of_the_standard_library() {
+        let mut texts: Vec<String> = [
+            "0",
+            "-0",
+            "+1",
+            "1.",
+            ".5",
+            "-.5e1",
+            "1e5",
+            "1E+5",
+            "1e-5",
+            "16777217",
+            "16777219",
+            "33554433",
+            "0.1",
+            "3.4028235e38",
+            "3.4028236e38",
+            "1e39",
+            "-1e999",
+            "1e-45",
+            "7e-46",
+            "1.1754944e-38",
+            "1.17549428e-38",
+            "8388608.5",
+            "8388609.5",
+            "9007199791611905",
+            "9007199791611904",
+            "9007199791611903",
+            "0.000000000000000000001",
+            "1e22",
+            "1e23",
+            "123456789012345678901234567890",
+            "nan",
+            "inf",
+            "-inf",
+            "NaN",
+            "infinity",
+            "1e0005",
+            "00000000000000000000000001",
+            "1.00000017881393421514957253748434595763683319091796875001",
+        ]
+        .map(str::to_owned)
+        .to_vec();
+        let mut state = 1_u64;
+        for _ in 0..200_000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let float = f32::from_bits((state >> 32) as u32);
+            let digits = (state >> 8) as usize % 12;
+            texts.push(format!("{float}"));
+            texts.push(format!("{float:e}"));
+            texts.push(format!("{:.digits$}", (float % 4096.0) * 0.37));
+            texts.push(format!("{:.digits$e}", f64::from(float) * 1.000_000_03));
+            // Half-way between two neighbours, and just beside.
+            let half = (f64::from(float) + f64::from(f32::from_bits(float.to_bits() + 1))) * 0.5;
+            texts.push(format!("{half:e}"));
+        }
+        for text in texts {
+            let expected: f32 = text.parse().expect("a number");
+            let read = number(&text).unwrap_or_else(|| panic!("{text} is a number"));
+            assert!(
+                read.to_bits() == expected.to_bits() || read.is_nan() && expected.is_nan(),
+                "{text}: {read:e}, but the standard library reads {expected:e}"
+            );
+        }
+    }
+
+    /// What the standard library does not read is no number here either.
+    #[test]
+    fn words_are_not_numbers() {
+        for text in ["", "-", "+", ".", "e5", "1e", "1e+", "1.2.3", "1,5", "0x10", "1-2", "--1"] {
+            assert_eq!(number(text), None, "{text}");
+            assert!(text.parse::<f32>().is_err());
+        }
+    }
+
+    /// Lines end with any of the three line ends; columns count characters, not bytes.
+    #[test]
+    fn places_count_lines_and_characters() {
+        let text = "a\nb\r\nc\rdé f".as_bytes();
+        for (at, line, column) in [(0, 1, 1), (2, 2, 1), (5, 3, 1), (7, 4, 1), (11, 4, 4)] {
+            assert_eq!(place(Path::new("x"), text, at), Source::at("x", line, column), "byte {at}");
+        }
+    }
+}
