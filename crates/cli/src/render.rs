@@ -5,13 +5,13 @@ use crate::interrupt::Interrupt;
 use crate::load::{self, Reading, timed};
 use crate::options::{self, DisplayCurve, Integrator, Sampler};
 use crate::progress::{Goal, Reporter, Spinner, Style};
-use crate::shim::image_files;
 use crate::text::{scaled, several, time};
-use crate::{print_json, print_line, tell};
+use crate::{output, print_json, print_line, tell};
 use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant::settings::{Crop, Settings};
 use rutilant::{Prepared, Progress, Session};
+use rutilant_formats::image::{WriteOptions, check_writable};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,7 +32,7 @@ Ctrl-C finishes the pass and writes the image; a second Ctrl-C stops at once.";
 pub(crate) struct Args {
     /// A scene: .toml, .obj, .ply; the built-in glass cube if none is named
     scene: Option<PathBuf>,
-    /// An image to write: .exr, .hdr (scene-linear), .png, .jpg (for eyes); may be repeated
+    /// An image to write: .exr, .hdr, .pfm (scene-linear), .png, .jpg (for eyes); may be repeated
     /// [default: the scene's name with .png, in the current folder]
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
@@ -172,7 +172,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
-    let write = |path: &PathBuf| image_files::write(path, &rendered.image, &display);
+    let options = WriteOptions { metadata: metadata(&settings, &rendered), ..Default::default() };
+    let write = |path: &PathBuf| output::write(path, &rendered.image, &display, &options);
     let (written, writing) =
         timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));
     let mut failures = written.into_iter().filter_map(Result::err).map(Failure::failed);
@@ -243,7 +244,7 @@ fn outputs(args: &Args) -> Result<Vec<PathBuf>, Failure> {
         if args.scene.as_deref().is_some_and(same) {
             return Err(Failure::usage(format!("{} is the scene itself", output.display())));
         }
-        image_files::check_writable(output)?;
+        check_writable(output)?;
     }
     Ok(outputs)
 }
@@ -266,6 +267,14 @@ fn settings(args: &Args, scene: &Settings) -> Settings {
 
 /// More samples than any time allows.
 const UNBOUNDED: u64 = 1 << 32;
+
+/// What is kept with the picture: enough to make it again from the scene. No times and no
+/// places, so that equal pictures are equal files.
+fn metadata(settings: &Settings, rendered: &Rendered) -> Vec<(String, String)> {
+    [("spp", rendered.progress.samples.to_string()), ("seed", settings.seed.to_string())]
+        .map(|(name, value)| (name.to_owned(), value))
+        .into()
+}
 
 /// A picture, and how it came about.
 struct Rendered {

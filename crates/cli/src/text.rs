@@ -31,12 +31,13 @@ pub(crate) fn scaled(x: f64) -> String {
 
 /// `1.2346`: five digits, for lengths.
 pub(crate) fn significant(x: f32) -> String {
-    let digits = match x.abs() {
-        a if a < 1e-4 || a >= 1e6 => {
-            return if x == 0.0 { "0".to_owned() } else { format!("{x:.4e}") };
-        }
-        a => (4.0 - a.log10().floor()).max(0.0) as usize,
-    };
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&x.abs()) {
+        return format!("{x:.4e}");
+    }
+    let digits = (4.0 - x.abs().log10().floor()).max(0.0) as usize;
     let text = format!("{x:.digits$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()

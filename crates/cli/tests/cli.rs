@@ -1,7 +1,9 @@
 //! The command line as its users meet it: the built program, its files, its exit status.
 
+use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant_formats::Limits;
+use rutilant_formats::image::Pixels;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -461,7 +463,13 @@ fn write_picture(path: &Path, size: [u32; 2], f: impl Fn(u32, u32) -> [f32; 3]) 
     let pixels: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
     let pixels: Vec<_> = pixels.into_iter().map(|(x, y)| f(x, y)).collect();
     let image = Image::from_rgb(width, height, &pixels).unwrap();
-    rutilant_formats::image::write(path, &image, &Default::default()).unwrap();
+    let rgb8 = pixels.iter().flat_map(|c| Display::default().encode(*c)).collect::<Vec<_>>();
+    let pixels = if path.extension().is_some_and(|e| e == "png") {
+        Pixels::Display { width, height, rgb8: &rgb8 }
+    } else {
+        Pixels::Light(&image)
+    };
+    rutilant_formats::image::write(path, pixels, &Default::default()).unwrap();
 }
 
 #[test]

@@ -7,13 +7,13 @@ mod metrics;
 mod testing;
 
 use crate::failure::{Exit, Failure};
-use crate::shim::image_files;
 use crate::text::several;
-use crate::{options, print_json, print_line, tell};
+use crate::{options, output, print_json, print_line, tell};
 use metrics::Errors;
 use rutilant::display::{Curve, Display, linear_from_srgb};
 use rutilant::image::Image;
 use rutilant_formats::Limits;
+use rutilant_formats::image::{self, WriteOptions};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -82,8 +82,9 @@ struct Comparison<'a> {
 
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(diff) = &args.diff {
-        image_files::check_writable(diff)?;
+        image::check_writable(diff)?;
     }
+    let read = |path: &Path| image::read(path, &Limits::default());
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);
     let size = [image.width(), image.height()];
     if size != [reference.width(), reference.height()] {
@@ -120,7 +121,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     let light = |p: &Pixels| p.map(|rgb| rgb.map(linear_from_srgb));
     let map = flip::ldr(&light(&reference_shown), &light(&test_shown), flip::PIXELS_PER_DEGREE);
-    let linear = [&args.image, &args.reference].into_iter().all(|path| is_scene_linear(path));
+    let linear = [&args.image, &args.reference].into_iter().all(|path| output::holds_light(path));
     let hdr_map = linear.then(|| flip::hdr(&reference, &test, flip::PIXELS_PER_DEGREE));
 
     let comparison = Comparison {
@@ -140,7 +141,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         let diff = Image::from_rgb(size[0], size[1], &colors)
             .ok_or_else(|| Failure::failed("the picture of the difference has no pixels"))?;
         // The colours are made for the display as they are.
-        image_files::write(path, &diff, &Display { exposure: 0.0, curve: Curve::Clip })
+        output::write(path, &diff, &Display::default(), &WriteOptions::default())
             .map_err(Failure::failed)?;
         tell(&format!("wrote {}", path.display()));
     }
@@ -152,11 +153,6 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// An image file of any size that fits the memory.
-fn read(path: &Path) -> Result<Image, Failure> {
-    Ok(image_files::read(path, &Limits::default())?)
-}
-
 /// An image's colours.
 fn pixels(image: &Image, path: &Path) -> Result<Pixels, Failure> {
     match image.rgb() {
@@ -164,11 +160,6 @@ fn pixels(image: &Image, path: &Path) -> Result<Pixels, Failure> {
         Some(_) => Err(Failure::usage(format!("{} has no pixels", path.display()))),
         None => Err(Failure::usage(format!("{} has no channels R, G, B (or Y)", path.display()))),
     }
-}
-
-/// True for files that keep radiance rather than what a display shows.
-fn is_scene_linear(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("hdr"))
 }
 
 /// The mean of the pixels that count.
