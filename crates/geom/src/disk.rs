@@ -83,3 +83,35 @@ impl Disk {
         self.center.as_dvec3() + self.u.as_dvec3() * a + self.v.as_dvec3() * b
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An ellipse with axes aslant is met inside its rim, at the coordinates it says,
+    /// and its box holds the rim without room to spare.
+    #[test]
+    fn a_stretched_disk_is_met_within_its_rim() {
+        let center = Vec3::new(1.0, 2.0, 3.0);
+        let disk = Disk { center, u: Vec3::new(2.0, 0.5, 0.0), v: Vec3::new(0.5, 1.0, 0.25) };
+        let bounds = disk.bounds();
+        let mut rim = Aabb::EMPTY;
+        for i in 0..1000 {
+            let (b, a) = crate::real::sin_cos(i as f32 * 0.00629);
+            for (scale, met) in [(0.999, true), (1.001, false), (0.5, true)] {
+                let target = center + disk.u * (a * scale) + disk.v * (b * scale);
+                let ray = Ray::between(target + Vec3::Z * 2.0, target - Vec3::Z * 2.0);
+                let hit = disk.intersect(&ray);
+                assert_eq!(hit.is_some(), met, "{i} {scale}");
+                if let Some(hit) = hit {
+                    assert!((hit.a - f64::from(a * scale)).abs() < 1e-5);
+                    assert!((hit.b - f64::from(b * scale)).abs() < 1e-5);
+                    assert!((disk.point(hit.a, hit.b).as_vec3() - target).length() < 1e-5);
+                }
+            }
+            rim = rim.grown(disk.point(f64::from(a), f64::from(b)).as_vec3());
+        }
+        assert!((bounds.min - rim.min).length() < 1e-3 && (bounds.max - rim.max).length() < 1e-3);
+        assert!(bounds.min.cmple(rim.min + 1e-6).all() && bounds.max.cmpge(rim.max - 1e-6).all());
+    }
+}

@@ -43,6 +43,16 @@ impl Ray {
 /// rounded away from the surface. It therefore stands strictly on that side of
 /// the surface, at any scale and any distance from the scene's origin.
 ///
+/// Where the surface runs through the scene's origin there is nothing to move
+/// by: the bound is zero, or less than what double precision rounds away. There
+/// the surfaces help: none is met by a ray that starts on it to within that
+/// rounding.
+///
+/// Two things no offset can do. A direction so near to the surface that the
+/// rounded normal does not tell its sides apart (a cosine below 2^-23) may cross
+/// it after all, far away. And inside a sphere smaller than the spacing of
+/// single-precision numbers at its place there is no room for an origin.
+///
 /// Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 /// section 6.8.6, with the error bound of a position that is rounded once.
 pub fn offset_origin(position: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {

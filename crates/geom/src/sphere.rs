@@ -79,3 +79,37 @@ impl Sphere {
         (center + normal * f64::from(self.radius), normal)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tiny sphere far away and a huge one close by: where the formula of school is
+    /// off by whole radii, this one is right to a part in 10⁶ of the radius or of `t`.
+    #[test]
+    fn spheres_near_and_far_tiny_and_huge() {
+        for (distance, radius) in [(1e7, 1e-3), (1e6, 0.5), (2e6_f32, 1e6_f32), (1.0, 1e-7)] {
+            let sphere = Sphere { center: Vec3::new(0.0, 0.0, distance), radius };
+            let surface = f64::from(distance) - f64::from(radius);
+            let t = sphere.intersect(&Ray::new(Vec3::ZERO, Vec3::Z)).expect("a hit");
+            assert!((t - surface).abs() <= 1e-6 * f64::from(radius), "{distance} {radius}: {t}");
+            let beside = Vec3::new(radius * 1.000_01, 0.0, 0.0);
+            assert_eq!(sphere.intersect(&Ray::new(beside, Vec3::Z)), None);
+            let within = Vec3::new(radius * 0.999_99, 0.0, 0.0);
+            assert!(sphere.intersect(&Ray::new(within, Vec3::Z)).is_some());
+        }
+    }
+
+    /// From inside the far side is met, from the surface only the other one, and the
+    /// ends of the ray do not count.
+    #[test]
+    fn the_first_point_ahead_is_met() {
+        let sphere = Sphere { center: Vec3::ZERO, radius: 2.0 };
+        let from = |z: f32| Ray::new(Vec3::new(0.0, 0.0, z), Vec3::Z * 2.0);
+        let met = [-4.0, -2.0, 0.0, 1.0, 2.0, 3.0].map(|z| sphere.intersect(&from(z)));
+        assert_eq!(met, [Some(1.0), Some(2.0), Some(1.0), Some(0.5), None, None]);
+        let ray = from(-4.0);
+        let t_of = |t_min, t_max| sphere.intersect(&Ray { t_min, t_max, ..ray });
+        assert_eq!([t_of(0.0, 1.0), t_of(1.0, 3.0), t_of(1.0, 3.1)], [None, None, Some(3.0)]);
+    }
+}

@@ -30,7 +30,8 @@ pub struct Hit {
     /// The number of the primitive.
     pub primitive: u32,
     /// Distance along the ray, in lengths of its direction, rounded once. The
-    /// unrounded one lies strictly between the ray's `t_min` and `t_max`.
+    /// unrounded one lies strictly between the ray's `t_min` and `t_max`; this
+    /// one may equal either.
     pub t: f32,
     /// On a triangle the barycentric weight of the second vertex, on a disk the
     /// coordinate along its `u`, both as they are. On a sphere the longitude as

@@ -46,7 +46,7 @@ impl Bvh {
                 };
                 if nearer {
                     best = Some(Closest { primitive, t, what });
-                    *reach = t as f32;
+                    *reach = t;
                 }
             }
             false
@@ -68,10 +68,11 @@ impl Bvh {
     /// Calls `leaf` for every leaf that the ray may meet before its `reach`,
     /// which `leaf` may shorten, until `leaf` says that it is enough.
     #[inline]
-    fn traverse(&self, ray: &Ray, mut leaf: impl FnMut(std::ops::Range<usize>, &mut f32) -> bool) {
+    fn traverse(&self, ray: &Ray, mut leaf: impl FnMut(std::ops::Range<usize>, &mut f64) -> bool) {
         let (Some(root), Some(boxes)) = (&self.root, BoxRay::new(ray)) else { return };
-        let mut reach = ray.t_max;
-        let Some(_) = boxes.entry(root, reach) else { return };
+        let mut reach = f64::from(ray.t_max);
+        let mut limit = boxes.limit(reach);
+        let Some(_) = boxes.entry(root, limit) else { return };
 
         let mut stack = [Waiting { first: 0, count: 0, entry: 0.0 }; MAX_DEPTH];
         let mut waiting = 0;
@@ -80,7 +81,7 @@ impl Bvh {
             if count == 0 {
                 // Look into both children, and go into the nearer one.
                 let Siblings([left, right]) = &self.siblings[first as usize];
-                match (boxes.entry(left, reach), boxes.entry(right, reach)) {
+                match (boxes.entry(left, limit), boxes.entry(right, limit)) {
                     (Some(l), Some(r)) => {
                         let (near, far, entry) =
                             if l <= r { (left, right, r) } else { (right, left, l) };
@@ -104,6 +105,7 @@ impl Bvh {
                 if leaf(first..first + count as usize, &mut reach) {
                     return;
                 }
+                limit = boxes.limit(reach);
             }
 
             // Take up what waits, unless a hit was found before it.
@@ -113,7 +115,7 @@ impl Bvh {
                 }
                 waiting -= 1;
                 let next = stack[waiting];
-                if boxes.is_within(next.entry, reach) {
+                if next.entry <= limit {
                     (first, count) = (next.first, next.count);
                     break;
                 }
@@ -168,26 +170,26 @@ impl BoxRay {
     }
 
     /// Where the ray enters a box, or its start inside; `None` if it misses the
-    /// box or enters it beyond `reach`.
+    /// box or enters it beyond `limit`.
     #[inline(always)]
-    fn entry(&self, node: &Node, reach: f32) -> Option<f32> {
+    fn entry(&self, node: &Node, limit: f32) -> Option<f32> {
         let (mut enter, mut exit) = (self.start, f32::INFINITY);
         for axis in 0..3 {
             let near = self.near[axis] & 1;
             let t_near = (node.corners[near][axis] - self.origin[axis]) * self.inverse[axis];
-            let t_far = (node.corners[1 - near][axis] - self.origin[axis]) * self.inverse[axis];
+            let t_far = (node.corners[near ^ 1][axis] - self.origin[axis]) * self.inverse[axis];
             // A ray within a side of the box, parallel to it, makes 0 · ∞ = NaN
             // here, which no comparison takes over.
             enter = if t_near > enter { t_near } else { enter };
             exit = if t_far < exit { t_far } else { exit };
         }
-        (enter <= exit * SLACK && self.is_within(enter, reach)).then_some(enter)
+        (enter <= exit * SLACK && enter <= limit).then_some(enter)
     }
 
-    /// Whether a hit in a box entered at `entry` may lie before `reach`.
+    /// A box that is entered beyond this holds no hit before `reach`, a ray's `t`.
     #[inline(always)]
-    fn is_within(&self, entry: f32, reach: f32) -> bool {
-        entry <= reach * self.scale * SLACK
+    fn limit(&self, reach: f64) -> f32 {
+        (reach * f64::from(self.scale)) as f32 * SLACK
     }
 }
 
