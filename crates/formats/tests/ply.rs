@@ -163,7 +163,7 @@ fn strips_are_read() {
     let points = "0 0 0\n".repeat(6);
     let body = format!("{points}12 0 1 2 3 -1 3 4 5 5 2 1 0\n");
     let (mesh, _) = read(&file(header, body.as_bytes()));
-    assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3], [3, 4, 5], [5, 2, 1], [1, 2, 0]]);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3], [3, 4, 5], [2, 5, 1], [2, 1, 0]]);
 }
 
 /// NaN and infinite vertices are the renderer's to leave out, and -0 stays what it is.
@@ -190,7 +190,6 @@ fn point_clouds_are_noted() {
             "a.ply: 2 bytes after the last element are left out",
             "a.ply: there are no faces in it, so nothing of it can be seen"
         ]
-        .map(|note| note.replace("2 bytes", "1 bytes"))
     );
 }
 

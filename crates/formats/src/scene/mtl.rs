@@ -339,3 +339,36 @@ impl<'a> Parser<'a> {
         SceneError { at: place(self.path, self.bytes, at), kind: SceneErrorKind::Invalid(what) }
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+#[cfg(test)]
+mod tests {
+    use super::common::{cut_everywhere, mutations};
+    use super::*;
+    use rutilant::camera::Perspective;
+    use rutilant::geom::Vec3;
+    use rutilant::scene::Scene;
+
+    /// Whatever the bytes: materials that can be rendered, or an error of one line.
+    #[test]
+    fn damaged_files_never_panic() {
+        const MTL: &[u8] = b"# all of it\nnewmtl my material\nKa 1 1 1\nKd 0.5\nKs .1 .2 .3\n\
+            Ke 1 2 3\r\nTf 0.5 0.5 0.5\nNi 1.5\nd -halo 0.5\nTr 0.5\nillum 7\nNs 100\n\
+            map_Kd -s 1 1 a b.png\nnewmtl other\nKd xyz 1 1\nillum 5\nKs 1 \\\n 1 1\n";
+        let camera = Perspective::look_at(Vec3::Z, Vec3::ZERO, 1.0).expect("a view");
+        let mut scene = Scene::new(camera);
+        let mut check = |bytes: &[u8]| match read_bytes(bytes, Path::new("a.mtl")) {
+            Ok(library) => {
+                scene.materials = library.materials;
+                scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            }
+            Err(error) => assert!(!error.to_string().contains('\n')),
+        };
+        check(MTL);
+        cut_everywhere(MTL, &mut check);
+        mutations(MTL, 30_000).for_each(|mutant| check(&mutant));
+    }
+}

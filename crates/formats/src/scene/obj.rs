@@ -373,7 +373,7 @@ impl<'a> Parser<'a> {
                 corner.vn = self.index("normal", self.out.normals.len())?;
             }
         }
-        if self.cursor.peek().is_none_or(text::is_space) {
+        if self.cursor.word_is_done() {
             return Ok(corner);
         }
         let word = quoted(Cursor::at(self.bytes, start).word());
@@ -382,7 +382,7 @@ impl<'a> Parser<'a> {
     }
 
     fn at_slash_or_end(&self) -> bool {
-        self.cursor.peek().is_none_or(|byte| byte == b'/' || text::is_space(byte))
+        self.cursor.peek() == Some(b'/') || self.cursor.word_is_done()
     }
 
     /// A reference to one of `count` things: from 1, or from −1 backwards.

@@ -52,7 +52,7 @@ impl<'a> Cursor<'a> {
         while let Some(byte) = self.peek() {
             if is_blank(byte) {
                 self.at += 1;
-            } else if byte == b'\\' && self.line_end_length(self.at + 1) > 0 {
+            } else if self.continues(self.at) {
                 self.at += 1 + self.line_end_length(self.at + 1);
             } else {
                 break;
@@ -98,10 +98,28 @@ impl<'a> Cursor<'a> {
     /// The bytes up to the next blank or line end; empty where one stands here.
     #[inline]
     pub(super) fn word(&mut self) -> &'a [u8] {
+        let word = &self.rest()[..self.word_length()];
+        self.at += word.len();
+        word
+    }
+
+    fn word_length(&self) -> usize {
         let rest = self.rest();
         let length = rest.iter().position(|&byte| is_space(byte)).unwrap_or(rest.len());
-        self.at += length;
-        &rest[..length]
+        // A continuation may follow without a blank.
+        length - usize::from(length > 0 && self.continues(self.at + length - 1))
+    }
+
+    /// Whether a word that began before ends here.
+    #[inline]
+    pub(super) fn word_is_done(&self) -> bool {
+        self.peek().is_none_or(|byte| is_space(byte) || self.continues(self.at))
+    }
+
+    /// Whether the byte at `at` is a `\` at the end of a line.
+    #[inline]
+    fn continues(&self, at: usize) -> bool {
+        self.bytes.get(at) == Some(&b'\\') && self.line_end_length(at + 1) > 0
     }
 
     /// The rest of the line as a name: blanks inside belong to it, blanks around it do not.
@@ -118,17 +136,19 @@ impl<'a> Cursor<'a> {
     /// The value is that of `str::parse`; `None`, and no step forward, where that fails.
     #[inline]
     pub(super) fn number(&mut self) -> Option<f32> {
-        let rest = self.rest();
-        if let Some((value, length)) = simple_number(rest)
-            && rest.get(length).copied().is_none_or(is_space)
-        {
+        let start = self.at;
+        if let Some((value, length)) = simple_number(self.rest()) {
             self.at += length;
-            return Some(value);
+            if self.word_is_done() {
+                return Some(value);
+            }
+            self.at = start;
         }
-        let length = rest.iter().position(|&byte| is_space(byte)).unwrap_or(rest.len());
-        let value = std::str::from_utf8(&rest[..length]).ok()?.parse().ok()?;
-        self.at += length;
-        Some(value)
+        let value = std::str::from_utf8(self.word()).ok().and_then(|word| word.parse().ok());
+        if value.is_none() {
+            self.at = start;
+        }
+        value
     }
 
     /// The whole number that starts here, with a sign or not; what stands behind it is not

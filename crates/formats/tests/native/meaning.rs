@@ -218,6 +218,7 @@ fn inline_meshes_keep_their_arrays() {
     assert_eq!(mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
     assert_eq!(mesh.uvs[1].to_array(), [1.0, 0.0]);
     assert_eq!(mesh.normals[3], Vec3::new(0.0, 0.0, 2.0), "own normals are kept");
+    assert_eq!(full.notes.len(), 1, "and that is said: {:?}", full.notes);
     let smooth = read(&format!("{quad}smooth_degrees = 30"));
     assert_eq!(smooth.scene.meshes[0].normals, [Vec3::Z; 4]);
     assert_eq!(read(quad).scene.meshes[0].normals, []);

@@ -53,7 +53,6 @@ fn refused(folder: &Path, name: &str) -> String {
 
 /// The file's own materials are used; the shape's stands in for what has none, and is said to.
 #[test]
-#[ignore = "needs the OBJ reader"]
 fn objects_bring_their_materials() {
     let shape = "[[shape]]\ntype = \"mesh\"\nfile = \"mesh.obj\"\n";
     let folder = folder(&format!("{shape}material = \"grey\"\n{shape}translate = [5, 0, 0]\n"));
@@ -86,7 +85,6 @@ fn objects_bring_their_materials() {
 
 /// A file that never speaks of materials takes the shape's; without that it is an error.
 #[test]
-#[ignore = "needs the OBJ and PLY readers"]
 fn plain_meshes_take_the_shapes_material() {
     for file in ["mesh.ply", "bare.obj"] {
         let shape = format!("[[shape]]\ntype = \"mesh\"\nfile = \"{file}\"\n");
@@ -104,7 +102,6 @@ fn plain_meshes_take_the_shapes_material() {
 
 /// A mesh can be read flat and smooth in the same scene, and each is read once.
 #[test]
-#[ignore = "needs the PLY reader"]
 fn smoothing_makes_another_mesh() {
     let shape = "[[shape]]\ntype = \"mesh\"\nfile = \"mesh.ply\"\nmaterial = \"grey\"\n";
     let smooth = format!("{shape}smooth_degrees = 40\n");
@@ -122,7 +119,6 @@ fn smoothing_makes_another_mesh() {
 
 /// A mesh alone is grey, under a white sky, in front of a camera.
 #[test]
-#[ignore = "needs the OBJ and PLY readers"]
 fn meshes_are_scenes() {
     let folder = folder("");
     for name in ["mesh.ply", "mesh.obj", "bare.obj"] {
@@ -140,7 +136,6 @@ fn meshes_are_scenes() {
 
 /// An embedded image is found by its name, without a disk.
 #[test]
-#[ignore = "needs the image readers"]
 fn embedded_images_are_found() {
     let sky: &[u8] =
         b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x80\x80\x80\x82";

@@ -104,23 +104,24 @@ impl<'d> Draft<'d> {
             return root.invalid(problem.to_string());
         };
         let (at, own) = table.place_of(problem.key);
-        let what = match problem.place {
-            _ if own => problem.what.clone(),
-            Place::Material(i) => {
-                let name = self.scene.materials.get(i).map_or("", |m| &m.name);
-                format!("material \"{}\": {}", shown(name), problem.what)
-            }
-            Place::Mesh(i) => {
-                let name = self.scene.meshes.get(i).map_or("", |m| &m.name);
-                format!("mesh \"{}\": {}", shown(name), problem.what)
-            }
+        // What came from a file is not to be seen in the text: say what part of it is meant.
+        let part = match problem.place {
+            Place::Material(i) => self.scene.materials.get(i).map(|m| ("material", &m.name)),
+            Place::Mesh(i) => self.scene.meshes.get(i).map(|m| ("mesh", &m.name)),
             Place::Settings
             | Place::Camera
             | Place::Environment
             | Place::Object(_)
-            | Place::Light(_) => problem.what.clone(),
+            | Place::Light(_) => None,
         };
-        table.invalid_at(at, what)
+        let what = &problem.what;
+        table.invalid_at(
+            at,
+            match part {
+                Some((kind, name)) if !own => format!("{kind} \"{}\": {what}", shown(name)),
+                Some(_) | None => what.clone(),
+            },
+        )
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! The text becomes a tree of tables in which every value knows its place.
 //! Each section below maps one kind of table to the authored scene. What the
-//! numbers may be is decided by [`Scene::validate`] and [`Settings::validate`]
+//! numbers may be is decided by the scene's and the settings' own `validate`
 //! alone: a problem they find is traced back to the key it came from.
 
 mod camera;
@@ -24,8 +24,6 @@ use crate::{ReadOptions, SceneError, SceneErrorKind, Source};
 use document::Document;
 use draft::Draft;
 use rutilant::scene::Place;
-#[expect(unused_imports, reason = "the documentation names them")]
-use rutilant::{scene::Scene, settings::Settings};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -87,47 +85,41 @@ fn parse_here(
     check_version(&root)?;
     root.only(&[keys::ROOT])?;
 
-    // How to render.
+    let mut draft = Draft::new(file, options);
+
+    // How to render, and who sees it: checked first, because files can take long to read.
     let render = root.maybe("render", |v| v.table("[render]"))?;
     let (settings, display) =
         render.as_ref().map_or_else(|| Ok(Default::default()), render::read)?;
-
-    // What there is. Materials come first, because shapes name them.
-    let mut draft = Draft::new(file, options);
-    if let Some(table) = root.maybe("environment", |v| v.table("[environment]"))? {
-        environment::read(&table, &mut draft)?;
+    draft.places.extend(render.map(|table| (Place::Settings, table)));
+    settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
+    let camera = root.maybe("camera", |v| v.table("[camera]"))?;
+    if let Some(table) = camera {
+        draft.scene.camera = camera::read(&table)?.into();
+        draft.places.insert(Place::Camera, table);
     }
+
+    // What there is. Materials come before the shapes that name them.
     let materials = root.or("material", |v| v.tables("[[material]]"), Vec::new())?;
     material::read_all(&materials, &mut draft)?;
-    for table in root.or("shape", |v| v.tables("[[shape]]"), Vec::new())? {
-        shape::read(&table, &mut draft)?;
-    }
     for table in root.or("light", |v| v.tables("[[light]]"), Vec::new())? {
         light::read(&table, &mut draft)?;
     }
-
-    // Who sees it.
-    match root.maybe("camera", |v| v.table("[camera]"))? {
-        Some(table) => {
-            draft.scene.camera = camera::read(&table)?.into();
-            draft.places.insert(Place::Camera, table);
-        }
-        None => {
-            let camera = frame_all(&draft.scene, settings.size).ok_or_else(|| {
-                root.invalid("there is no [camera], and no shape that one could be turned to")
-            })?;
-            draft.scene.camera = camera.into();
-            draft
-                .notes
-                .push("there is no [camera]: one was chosen that sees all shapes".to_owned());
-        }
+    if let Some(table) = root.maybe("environment", |v| v.table("[environment]"))? {
+        environment::read(&table, &mut draft)?;
+    }
+    for table in root.or("shape", |v| v.tables("[[shape]]"), Vec::new())? {
+        shape::read(&table, &mut draft)?;
+    }
+    if camera.is_none() {
+        let chosen = frame_all(&draft.scene, settings.size).ok_or_else(|| {
+            root.invalid("there is no [camera], and no shape that one could be turned to")
+        })?;
+        draft.scene.camera = chosen.into();
+        draft.notes.push("there is no [camera]: one was chosen that sees all shapes".to_owned());
     }
 
     // Whether all of it makes sense.
-    if let Some(table) = render {
-        draft.places.insert(Place::Settings, table);
-    }
-    settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
     Ok(LoadedScene { scene: draft.scene, settings, display, notes: draft.notes })
 }

@@ -98,7 +98,7 @@ fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, Scen
         positions,
     };
     let bounds = bounds_of(&mesh.positions);
-    let mesh = smoothed(mesh, crease(table)?);
+    let mesh = smoothed(mesh, crease(table)?, &mut draft.notes);
     let id = draft.add_mesh(table, mesh).map_err(|kind| table.error(kind))?;
     Ok(MeshFile { parts: vec![(id, None)], bounds, without_material: None })
 }
@@ -139,10 +139,17 @@ fn crease(table: &Table<'_>) -> Result<Option<f32>, SceneError> {
 }
 
 /// The mesh with normals: its own, or smooth ones if they are asked for.
-fn smoothed(mesh: Mesh, crease: Option<f32>) -> Mesh {
+fn smoothed(mesh: Mesh, crease: Option<f32>, notes: &mut Vec<String>) -> Mesh {
     match crease {
         Some(crease) if mesh.normals.is_empty() => mesh.smoothed(crease),
-        _ => mesh,
+        Some(_) => {
+            let note = "smooth_degrees changes nothing where a mesh has normals of its own";
+            if notes.last().is_none_or(|last| last != note) {
+                notes.push(note.to_owned());
+            }
+            mesh
+        }
+        None => mesh,
     }
 }
 
@@ -187,7 +194,8 @@ fn take_in<'d>(
     let mut parts = Vec::with_capacity(file.meshes.len());
     for (mesh, name) in file.meshes {
         bounds = bounds.union(bounds_of(&mesh.positions));
-        let id = draft.add_mesh(table, smoothed(mesh, crease)).map_err(|kind| value.error(kind))?;
+        let mesh = smoothed(mesh, crease, &mut draft.notes);
+        let id = draft.add_mesh(table, mesh).map_err(|kind| value.error(kind))?;
         parts.push((id, name.and_then(|name| materials.get(&name).copied())));
     }
     Ok(MeshFile { parts, bounds, without_material })

@@ -121,15 +121,14 @@ impl<'d> Table<'d> {
         let Some(&(at, name)) = unknown.first() else {
             return Ok(());
         };
-        let (quoted, here) = (shown(name), self.name);
-        if let Some(places) = keys::where_it_belongs(name) {
-            let what = format!("no key \"{quoted}\" in {here}, only in {places}");
-            return Err(self.document.invalid(at, what));
-        }
         let allowed = || allowed.iter().copied().flatten().copied();
-        let kind = match nearest(name, allowed()) {
-            Some(closest) => unknown_name("key", name, closest),
-            None => SceneErrorKind::Invalid(format!(
+        let (quoted, here) = (shown(name), self.name);
+        let kind = match (nearest(name, allowed()), keys::where_it_belongs(name)) {
+            (Some(closest), _) => unknown_name("key", name, closest),
+            (None, Some(places)) => {
+                SceneErrorKind::Invalid(format!("no key \"{quoted}\" in {here}, only in {places}"))
+            }
+            (None, None) => SceneErrorKind::Invalid(format!(
                 "no key \"{quoted}\" in {here}; there are {}",
                 list(allowed())
             )),
@@ -141,8 +140,8 @@ impl<'d> Table<'d> {
     /// or the table. True where the value is `key`'s own.
     pub(super) fn place_of(&self, key: &str) -> (usize, bool) {
         let own = self.entries.get(key).or_else(|| {
-            let nested = self.entries.values().filter_map(|value| value.get_ref().as_table());
-            nested.filter_map(|table| table.get(key)).next()
+            let mut nested = self.entries.values().filter_map(|value| value.get_ref().as_table());
+            nested.find_map(|table| table.get(key))
         });
         let stand_in = || {
             let all = keys::STANDS_FOR.iter().filter(|(name, _)| *name == key || *name == "*");
