@@ -118,7 +118,7 @@ fn describe(info: &Info, contents: &str, lamps: u64) -> String {
     };
     let seconds = |s: f64| time(Duration::from_secs_f64(s));
     let list = |tally: &BTreeMap<&str, usize>| {
-        let parts: Vec<_> = tally.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+        let parts: Vec<_> = tally.iter().map(|(kind, n)| format!("{n} × {kind}")).collect();
         if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
     };
     row("scene", &format!("{}: {contents}", info.scene.display()));

@@ -8,58 +8,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The scene that is rendered when none is named, and the images it uses.
+/// The scene that is rendered when none is named.
 pub(crate) const BUILT_IN: &str = "glass-cube";
-const BUILT_IN_TEXT: &str = r#"
-version = 1
-
-[render]
-size = [640, 480]
-spp = 64
-
-[camera]
-position = [2.2, 1.6, 2.6]
-look_at = [0, 0.35, 0]
-fov_degrees = 35
-
-[environment]
-color = [0.35, 0.45, 0.6]
-
-[[material]]
-name = "floor"
-type = "matte"
-albedo = 0.7
-
-[[material]]
-name = "glass"
-type = "dielectric"
-ior = 1.5
-
-[[material]]
-name = "lamp"
-type = "emissive"
-radiance = [40, 36, 30]
-
-[[shape]]
-type = "rectangle"
-size = [12, 12]
-rotate_degrees = [-90, 0, 0]
-material = "floor"
-
-[[shape]]
-type = "box"
-size = [1, 1, 1]
-rotate_degrees = [0, 30, 0]
-translate = [0, 0.501, 0]
-material = "glass"
-
-[[shape]]
-type = "sphere"
-radius = 0.3
-center = [-1.5, 3, 1]
-material = "lamp"
-"#;
-const BUILT_IN_IMAGES: &[(&str, &[u8])] = &[];
+const BUILT_IN_TEXT: &str = include_str!("../../../scenes/glass-cube.toml");
+/// The images it uses, by the names it uses.
+const BUILT_IN_IMAGES: &[(&str, &[u8])] =
+    &[("skies/overcast_sea.hdr", include_bytes!("../../../scenes/skies/overcast_sea.hdr"))];
 
 /// How scenes are read.
 #[derive(Args, Clone, Copy, Debug)]

@@ -6,6 +6,7 @@ use rutilant_formats::Limits;
 use rutilant_formats::image::Pixels;
 use serde_json::Value;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -444,7 +445,7 @@ fn an_interrupt_writes_the_image() {
 fn a_second_interrupt_stops_at_once() {
     let desk = Desk::new();
     // One pass of this takes far longer than the test waits.
-    let mut child = start_endless(&desk, "--size 3000x3000 -o a.png");
+    let mut child = start_endless(&desk, "--threads 1 --size 3000x3000 -o a.png");
     signal(&child, "-INT");
     std::thread::sleep(Duration::from_millis(300));
     assert_eq!(child.try_wait().unwrap(), None, "the first interrupt waits for the pass");
@@ -453,6 +454,23 @@ fn a_second_interrupt_stops_at_once() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
     assert_eq!(desk.files(), ["room.toml"]);
+}
+
+/// A place that vanishes while the picture is being made costs that file and no other, and is
+/// not called a success.
+#[cfg(unix)]
+#[test]
+fn an_output_that_fails_late_leaves_the_others() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("gone")).unwrap();
+    let mut child = start_endless(&desk, "-o gone/a.exr -o b.exr");
+    fs::remove_dir(desk.path("gone")).unwrap();
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert_eq!(desk.files(), ["b.exr", "room.toml"]);
+    let mut error = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut error).unwrap();
+    assert!(error.lines().last().unwrap().starts_with("error: gone/a.exr: "), "{error}");
 }
 
 // ---- compare ----

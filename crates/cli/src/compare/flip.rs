@@ -276,17 +276,17 @@ impl Plane {
     fn convolved(&self, across: &[f32], down: &[f32]) -> Self {
         let width = self.width;
         let height = self.values.len() / width;
-        let nearest = |at: usize, tap: usize, radius: usize, count: usize| {
-            (at + tap).saturating_sub(radius).min(count - 1)
-        };
 
         let mut rows = vec![0.0; self.values.len()];
         let radius = across.len() / 2;
         rows.par_chunks_mut(width).zip(self.values.par_chunks(width)).for_each(|(to, from)| {
-            for (x, value) in to.iter_mut().enumerate() {
-                *value = (across.iter().enumerate())
-                    .map(|(tap, weight)| weight * from[nearest(x, tap, radius, width)])
-                    .sum();
+            let outside = |x: f32| std::iter::repeat_n(x, radius);
+            let padded: Vec<f32> = outside(from[0])
+                .chain(from.iter().copied())
+                .chain(outside(from[width - 1]))
+                .collect();
+            for (tap, weight) in across.iter().enumerate() {
+                to.iter_mut().zip(&padded[tap..]).for_each(|(to, from)| *to += weight * from);
             }
         });
 
@@ -294,7 +294,7 @@ impl Plane {
         let radius = down.len() / 2;
         values.par_chunks_mut(width).enumerate().for_each(|(y, to)| {
             for (tap, weight) in down.iter().enumerate() {
-                let from = nearest(y, tap, radius, height) * width;
+                let from = (y + tap).saturating_sub(radius).min(height - 1) * width;
                 for (value, row) in to.iter_mut().zip(&rows[from..from + width]) {
                     *value += weight * row;
                 }

@@ -10,6 +10,7 @@ use crate::failure::{Exit, Failure};
 use crate::text::several;
 use crate::{options, output, print_json, print_line, tell};
 use metrics::Errors;
+use rayon::prelude::*;
 use rutilant::display::{Curve, Display, linear_from_srgb};
 use rutilant::image::Image;
 use rutilant_formats::Limits;
@@ -58,8 +59,8 @@ pub(crate) struct Pixels {
 
 impl Pixels {
     /// Every pixel by itself.
-    fn map(&self, f: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
-        Self { width: self.width, values: self.values.iter().map(|rgb| f(*rgb)).collect() }
+    fn map(&self, f: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Self {
+        Self { width: self.width, values: self.values.par_iter().map(|rgb| f(*rgb)).collect() }
     }
 }
 
