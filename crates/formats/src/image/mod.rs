@@ -92,7 +92,7 @@ pub fn write<'a>(
         (Format::Hdr, Pixels::Light(image)) => hdr::write(image, options),
         (Format::Pfm, Pixels::Light(image)) => pfm::write(image),
         (Format::Png | Format::Jpeg, Pixels::Display { rgb8, .. })
-            if rgb8.len() as u64 != 3 * u64::from(width) * u64::from(height) =>
+            if rgb8.len() as u128 != 3 * u128::from(width) * u128::from(height) =>
         {
             Err(format!("{} bytes are not 3 for each of {width}x{height} pixels", rgb8.len()))
         }
