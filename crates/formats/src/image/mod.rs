@@ -111,7 +111,7 @@ pub fn write<'a>(
     replace(path, &bytes).map_err(|e| error(format!("cannot write: {e}")))
 }
 
-/// Checks that [`write`] to `path` will most likely succeed, so that nobody waits for a picture
+/// Checks that [`write()`] to `path` will most likely succeed, so that nobody waits for a picture
 /// that cannot be kept. Touches nothing that is there.
 ///
 /// # Errors
@@ -218,7 +218,7 @@ impl Format {
     }
 
     /// Whether files of this format hold colours encoded for a display, 8 bits each, rather than
-    /// light: what [`write`] wants as [`Pixels::Display`].
+    /// light: what [`write()`] wants as [`Pixels::Display`].
     pub fn is_for_display(self) -> bool {
         match self {
             Self::Exr | Self::Hdr | Self::Pfm => false,
