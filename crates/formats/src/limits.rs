@@ -14,10 +14,18 @@ pub struct Limits {
     pub triangles: u64,
     /// Pixels of any one image.
     pub pixels: u64,
+    /// Objects in a scene: each time a shape, or a part of a mesh file, is placed.
+    pub objects: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { file_bytes: 8 << 30, vertices: 400_000_000, triangles: 400_000_000, pixels: 1 << 28 }
+        Self {
+            file_bytes: 8 << 30,
+            vertices: 400_000_000,
+            triangles: 400_000_000,
+            pixels: 1 << 28,
+            objects: 10_000_000,
+        }
     }
 }

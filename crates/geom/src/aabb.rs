@@ -1,6 +1,7 @@
 //! An axis-aligned bounding box.
 
 use crate::Vec3;
+use glam::DVec3;
 
 /// The box of all points between two corners, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +37,11 @@ impl Aabb {
         !(self.min.cmple(self.max)).all()
     }
 
+    /// True if no coordinate is NaN or infinite.
+    pub fn is_finite(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite()
+    }
+
     /// The middle. Halves are added so that huge boxes do not overflow.
     pub fn center(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
@@ -54,4 +60,14 @@ impl Aabb {
         let e = self.extent();
         e.x * e.y + e.y * e.z + e.z * e.x
     }
+}
+
+/// The next single-precision numbers below, so that a box surely holds `p`.
+pub(crate) fn rounded_down(p: DVec3) -> Vec3 {
+    Vec3::new((p.x as f32).next_down(), (p.y as f32).next_down(), (p.z as f32).next_down())
+}
+
+/// The next single-precision numbers above, so that a box surely holds `p`.
+pub(crate) fn rounded_up(p: DVec3) -> Vec3 {
+    Vec3::new((p.x as f32).next_up(), (p.y as f32).next_up(), (p.z as f32).next_up())
 }

@@ -12,13 +12,22 @@
 //! surface by [`offset_origin`] never meets that surface again.
 
 pub mod aabb;
+pub mod bvh;
+pub mod disk;
 pub mod frame;
 pub mod ray;
 pub mod real;
+pub mod sphere;
+pub mod surfaces;
 pub mod transform;
+pub mod triangle;
 
 pub use aabb::Aabb;
+pub use bvh::{BuildOptions, BuildReport, Bvh};
+pub use disk::Disk;
 pub use frame::Frame;
-pub use glam::{Mat3, Vec2, Vec3};
+pub use glam::{DVec3, Mat3, Vec2, Vec3};
 pub use ray::{Ray, offset_origin};
+pub use sphere::Sphere;
+pub use surfaces::{Hit, Surfaces};
 pub use transform::Transform;

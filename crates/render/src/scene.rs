@@ -167,6 +167,10 @@ impl Place {
             Some(v) if most == f32::MAX && least == f32::MIN_POSITIVE => {
                 Err(self.problem(key, format!("{key} is {v}, but must be more than 0")))
             }
+            Some(v) if least == f32::MIN_POSITIVE => {
+                Err(self
+                    .problem(key, format!("{key} is {v}, but must be more than 0, up to {most}")))
+            }
             Some(v) if most == f32::MAX => {
                 Err(self.problem(key, format!("{key} is {v}, but must be {least} or more")))
             }

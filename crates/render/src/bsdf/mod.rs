@@ -1,5 +1,187 @@
 //! How a surface scatters light at a point.
+//!
+//! A [`Bsdf`] is a weighted sum of [`Lobe`]s. Directions are unit vectors in
+//! the shading frame, z along the normal; both point away from the surface:
+//! `wo` to where light leaves, `wi` to where it came from. Each lobe holds on
+//! both sides of the surface.
 
+mod conductor;
+mod dielectric;
 mod fresnel;
+mod lambert;
+mod mirror;
+mod sample;
 
+pub use conductor::SmoothConductor;
+pub use dielectric::SmoothDielectric;
 pub use fresnel::Fresnel;
+pub use lambert::Lambert;
+pub use mirror::PerfectMirror;
+pub use sample::BsdfSample;
+
+use crate::color::Spectrum;
+use rutilant_geom::{Vec2, Vec3};
+
+/// One way of scattering.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lobe {
+    /// Diffuse reflection.
+    Lambert(Lambert),
+    /// Mirror reflection, the same at every angle.
+    Mirror(PerfectMirror),
+    /// Mirror reflection as metal does it.
+    Conductor(SmoothConductor),
+    /// Reflection and refraction.
+    Dielectric(SmoothDielectric),
+}
+
+impl Lobe {
+    /// True for a lobe that scatters into single directions: it can only be sampled.
+    pub fn is_delta(&self) -> bool {
+        match self {
+            Self::Lambert(_) => false,
+            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
+        }
+    }
+
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr. Black for delta lobes.
+    pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        match self {
+            Self::Lambert(l) => l.eval_cos(wo, wi),
+            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => Spectrum::BLACK,
+        }
+    }
+
+    /// The density with which [`sample`](Self::sample) draws `wi`, in 1/sr. Zero for delta lobes.
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        match self {
+            Self::Lambert(l) => l.pdf(wo, wi),
+            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => 0.0,
+        }
+    }
+
+    /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1).
+    /// `None` where nothing is scattered.
+    pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        match self {
+            Self::Lambert(l) => l.sample(wo, u),
+            Self::Mirror(l) => l.sample(wo),
+            Self::Conductor(l) => l.sample(wo),
+            Self::Dielectric(l) => l.sample(wo, choice),
+        }
+    }
+
+    /// About what part of white light it sends on, 0 to 1 per channel: for choosing between
+    /// lobes, for roulette and for pictures of albedo, not for energy balances.
+    pub fn albedo(&self) -> Spectrum {
+        match self {
+            Self::Lambert(l) => l.albedo,
+            Self::Mirror(l) => l.reflectance,
+            Self::Conductor(l) => l.albedo(),
+            Self::Dielectric(_) => Spectrum::WHITE,
+        }
+    }
+}
+
+/// How a surface scatters: nothing, one lobe, or a weighted sum of several.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bsdf {
+    lobes: [Option<WeightedLobe>; Self::MAX_LOBES],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct WeightedLobe {
+    lobe: Lobe,
+    /// The factor on its value.
+    weight: f32,
+    /// How often it is chosen. All add up to 1.
+    pmf: f32,
+}
+
+impl From<Lobe> for Bsdf {
+    fn from(lobe: Lobe) -> Self {
+        Self::sum([(1.0, lobe)])
+    }
+}
+
+impl Bsdf {
+    /// The most lobes that one surface may have.
+    pub const MAX_LOBES: usize = 2;
+
+    /// Absorbs everything.
+    pub const BLACK: Self = Self { lobes: [None; Self::MAX_LOBES] };
+
+    /// Lobes with their weights; those that send nothing back are left out, as are those
+    /// beyond [`MAX_LOBES`](Self::MAX_LOBES). Each is chosen in proportion to weight and albedo.
+    pub fn sum(lobes: impl IntoIterator<Item = (f32, Lobe)>) -> Self {
+        let importance = |weight: f32, lobe: &Lobe| weight * lobe.albedo().max_channel();
+        let mut kept = lobes.into_iter().filter(|(w, l)| importance(*w, l) > 0.0);
+        let kept: [_; Self::MAX_LOBES] = std::array::from_fn(|_| kept.next());
+        let total: f32 = kept.iter().flatten().map(|(w, l)| importance(*w, l)).sum();
+        Self {
+            lobes: kept.map(|kept| {
+                kept.map(|(weight, lobe)| WeightedLobe {
+                    lobe,
+                    weight,
+                    pmf: importance(weight, &lobe) / total,
+                })
+            }),
+        }
+    }
+
+    fn lobes(&self) -> impl Iterator<Item = &WeightedLobe> {
+        self.lobes.iter().flatten()
+    }
+
+    /// True when light sampling can find nothing here: every lobe is a delta, or there is none.
+    pub fn is_delta(&self) -> bool {
+        self.lobes().all(|l| l.lobe.is_delta())
+    }
+
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr, without the delta lobes.
+    pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        self.lobes().fold(Spectrum::BLACK, |sum, l| sum + l.lobe.eval_cos(wo, wi) * l.weight)
+    }
+
+    /// The density with which [`sample`](Self::sample) draws `wi` from the lobes that are not
+    /// deltas, in 1/sr.
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.lobes().map(|l| l.lobe.pdf(wo, wi) * l.pmf).sum()
+    }
+
+    /// Draws the direction the light came from, given `wo`, where it leaves to.
+    ///
+    /// `choice` and `u` hold numbers in [0, 1). `None` where nothing is scattered.
+    pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        // Find the lobe; what is left of the choice is as good as new.
+        let mut left = choice;
+        let mut chosen = None;
+        for lobe in self.lobes() {
+            chosen = Some((lobe, (left / lobe.pmf).min(BELOW_ONE)));
+            if left < lobe.pmf {
+                break;
+            }
+            left -= lobe.pmf;
+        }
+        let (chosen, choice) = chosen?;
+        let sample = chosen.lobe.sample(wo, choice, u)?;
+
+        // Only this lobe could have drawn it, or others as well.
+        let alone = sample.delta || self.lobes().filter(|l| !l.lobe.is_delta()).count() == 1;
+        if alone {
+            let weight = sample.weight * (chosen.weight / chosen.pmf);
+            return Some(BsdfSample { weight, pdf: sample.pdf * chosen.pmf, ..sample });
+        }
+        let pdf = self.pdf(wo, sample.wi);
+        let weight = self.eval_cos(wo, sample.wi) / pdf;
+        (pdf > 0.0).then_some(BsdfSample { weight, pdf, ..sample })
+    }
+
+    /// About what part of white light is sent on, 0 to 1 per channel; see [`Lobe::albedo`].
+    pub fn albedo(&self) -> Spectrum {
+        self.lobes().fold(Spectrum::BLACK, |sum, l| sum + l.lobe.albedo() * l.weight)
+    }
+}
+
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;

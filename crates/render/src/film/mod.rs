@@ -1,5 +1,256 @@
 //! Where samples become pixels.
+//!
+//! The film is cut into tiles, each with its own sums, so that threads never
+//! meet. A pixel adds its samples in the order of their numbers; how the
+//! samples were spread over passes and threads leaves no trace in the sums.
 
 mod filter;
 
 pub use filter::Filter;
+pub(crate) use filter::FilterSampler;
+
+use crate::color::Spectrum;
+use crate::image::{Channel, Image};
+use crate::settings::Crop;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// The sums of one pixel, in double precision: after 10⁶ samples they are still exact to 1e-10.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pixel {
+    sum: [f64; 3],
+    sum_of_squares: [f64; 3],
+    count: u64,
+}
+
+impl Pixel {
+    /// Adds a sample.
+    fn add(&mut self, value: Spectrum) {
+        let sums = self.sum.iter_mut().zip(&mut self.sum_of_squares);
+        for ((sum, sum_of_squares), v) in sums.zip(value.channels().map(f64::from)) {
+            *sum += v;
+            *sum_of_squares += v * v;
+        }
+        self.count += 1;
+    }
+
+    /// The mean of all samples, 0 before the first.
+    fn mean(&self) -> [f32; 3] {
+        self.sum.map(|s| if self.count > 0 { (s / self.count as f64) as f32 } else { 0.0 })
+    }
+
+    /// The variance of that mean if samples were independent, 0 before the second. For
+    /// stratified samplers it is an upper estimate.
+    fn variance_of_mean(&self) -> [f32; 3] {
+        let n = self.count as f64;
+        std::array::from_fn(|c| {
+            let spread = self.sum_of_squares[c] - self.sum[c] * self.sum[c] / n;
+            if self.count > 1 { (spread.max(0.0) / (n * (n - 1.0))) as f32 } else { 0.0 }
+        })
+    }
+}
+
+/// A square of pixels and how far it has come.
+#[derive(Debug)]
+pub(crate) struct Tile {
+    /// Where it lies on the whole picture.
+    pub(crate) area: Crop,
+    /// The number of the first sample that it still lacks, the same for all its pixels.
+    pub(crate) next_sample: u64,
+    /// (height, width) sums.
+    pixels: Vec<Pixel>,
+    dropped: Dropped,
+}
+
+/// Samples that were no numbers. They are left out of the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dropped {
+    /// How many.
+    pub count: u64,
+    /// Column, row and number of the first of them: least sample, then row, then column.
+    pub first: Option<DroppedSample>,
+}
+
+/// Where a sample was dropped. Ordered by sample number, then row, then column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct DroppedSample {
+    /// The number of the sample within its pixel.
+    pub sample: u64,
+    /// The pixel's row.
+    pub y: u32,
+    /// The pixel's column.
+    pub x: u32,
+}
+
+impl Dropped {
+    fn add(&mut self, at: DroppedSample) {
+        self.count += 1;
+        self.first = Some(self.first.map_or(at, |first| first.min(at)));
+    }
+
+    fn merge(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            first: self.first.into_iter().chain(other.first).min(),
+        }
+    }
+}
+
+impl Tile {
+    /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture. A value that
+    /// is not finite is dropped and counted.
+    pub(crate) fn add(&mut self, x: u32, y: u32, sample: u64, value: Spectrum) {
+        if value.is_finite() {
+            let i = (y - self.area.y) * self.area.width + (x - self.area.x);
+            self.pixels[i as usize].add(value);
+        } else {
+            self.dropped.add(DroppedSample { sample, y, x });
+        }
+    }
+}
+
+/// All pixels of a window, in tiles that threads lock one at a time.
+#[derive(Debug)]
+pub(crate) struct Film {
+    window: Crop,
+    /// In Morton order: neighbours in time are neighbours on the picture.
+    tiles: Vec<Mutex<Tile>>,
+}
+
+impl Film {
+    pub(crate) fn new(window: Crop) -> Self {
+        let (columns, rows) = (window.width.div_ceil(TILE), window.height.div_ceil(TILE));
+        let mut places: Vec<(u32, u32)> =
+            (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).collect();
+        places.sort_unstable_by_key(|&(column, row)| morton(column, row));
+        let tiles = places
+            .into_iter()
+            .map(|(column, row)| {
+                let (x, y) = (column * TILE, row * TILE);
+                let (width, height) = (TILE.min(window.width - x), TILE.min(window.height - y));
+                Mutex::new(Tile {
+                    area: Crop { x: window.x + x, y: window.y + y, width, height },
+                    next_sample: 0,
+                    pixels: vec![Pixel::default(); (width * height) as usize],
+                    dropped: Dropped::default(),
+                })
+            })
+            .collect();
+        Self { window, tiles }
+    }
+
+    pub(crate) fn tile_count(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// Locks a tile. Its state is whole between samples, so a thread that died holding it does no harm.
+    pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
+        self.tiles[index].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Samples that every pixel has.
+    pub(crate) fn samples(&self) -> u64 {
+        (0..self.tile_count()).map(|i| self.tile(i).next_sample).min().unwrap_or(0)
+    }
+
+    pub(crate) fn dropped(&self) -> Dropped {
+        (0..self.tile_count()).fold(Dropped::default(), |sum, i| sum.merge(self.tile(i).dropped))
+    }
+
+    /// The picture so far: `R`, `G`, `B`, and the variances of these means as `variance.R` and so on.
+    pub(crate) fn image(&self) -> Image {
+        let Crop { width, height, .. } = self.window;
+        let pixels = width as usize * height as usize;
+        let mut values = [const { Vec::new() }; 6].map(|_: Vec<f32>| vec![0.0; pixels]);
+        for i in 0..self.tile_count() {
+            let tile = self.tile(i);
+            let area = tile.area;
+            for (k, pixel) in tile.pixels.iter().enumerate() {
+                let (x, y) = (k % area.width as usize, k / area.width as usize);
+                let x = x + (area.x - self.window.x) as usize;
+                let y = y + (area.y - self.window.y) as usize;
+                let at = y * width as usize + x;
+                let both = pixel.mean().into_iter().chain(pixel.variance_of_mean());
+                for (channel, value) in values.iter_mut().zip(both) {
+                    channel[at] = value;
+                }
+            }
+        }
+        let names = ["R", "G", "B", "variance.R", "variance.G", "variance.B"];
+        let channels = names.into_iter().zip(values);
+        let channels =
+            channels.map(|(name, values)| Channel { name: name.to_owned(), values }).collect();
+        Image::new(width, height, channels).expect("every channel has the window's size")
+    }
+}
+
+/// The two numbers' bits in turn.
+fn morton(x: u32, y: u32) -> u64 {
+    let spread = |v: u32| {
+        let mut v = u64::from(v);
+        for (shift, mask) in [
+            (16, 0x0000_ffff_0000_ffff_u64),
+            (8, 0x00ff_00ff_00ff_00ff),
+            (4, 0x0f0f_0f0f_0f0f_0f0f),
+            (2, 0x3333_3333_3333_3333),
+            (1, 0x5555_5555_5555_5555),
+        ] {
+            v = (v | v << shift) & mask;
+        }
+        v
+    };
+    spread(x) | spread(y) << 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After a million samples one more still counts in full. A single-precision sum loses
+    /// increments from 2²⁴ on.
+    #[test]
+    fn a_million_samples_keep_their_mean() {
+        let mut pixel = Pixel::default();
+        for i in 0..1_000_000_u32 {
+            pixel.add(Spectrum::splat(if i % 2 == 0 { 100.1 } else { 0.1 }));
+        }
+        assert_eq!(pixel.mean(), [50.1; 3]);
+        let expected = 50.0 * 50.0 / 999_999.0;
+        assert!((pixel.variance_of_mean()[0] - expected).abs() < 1e-6 * expected);
+    }
+
+    /// One bad sample must not spoil its pixel: it is dropped, counted and located.
+    #[test]
+    fn samples_that_are_no_numbers_are_dropped_and_located() {
+        let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 });
+        let mut tile = film.tile(0);
+        tile.add(7, 8, 0, Spectrum::WHITE);
+        tile.add(7, 8, 2, Spectrum::splat(f32::INFINITY));
+        tile.add(9, 8, 1, Spectrum::from([0.0, f32::NAN, 0.0]));
+        drop(tile);
+        let first = Some(DroppedSample { sample: 1, y: 8, x: 9 });
+        assert_eq!(film.dropped(), Dropped { count: 2, first });
+        let image = film.image();
+        assert_eq!(image.channel("G").unwrap()[2 * 20 + 2], 1.0);
+    }
+
+    /// Tiles cover every pixel of any window exactly once.
+    #[test]
+    fn tiles_cover_the_window() {
+        for (width, height) in [(1, 1), (101, 97), (16, 33), (1, 1000)] {
+            let film = Film::new(Crop { x: 3, y: 4, width, height });
+            let mut seen = vec![0; (width * height) as usize];
+            for i in 0..film.tile_count() {
+                let area = film.tile(i).area;
+                for y in area.y..area.y + area.height {
+                    for x in area.x..area.x + area.width {
+                        seen[((y - 4) * width + x - 3) as usize] += 1;
+                    }
+                }
+            }
+            assert!(seen.iter().all(|&n| n == 1), "{width}x{height}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! What stands in a scene: shapes, and objects that give them a place and a material.
 
 mod mesh;
+mod smooth;
 
 pub use mesh::Mesh;
 
@@ -70,7 +71,7 @@ impl Object {
             }
             Shape::Mesh(_) => {}
             Shape::Sphere { radius } | Shape::Disk { radius } => {
-                place.check("radius", [radius], POSITIVE)?
+                place.check("radius", [radius], POSITIVE)?;
             }
             Shape::Rectangle { size } => place.check("size", size.to_array(), POSITIVE)?,
             Shape::Box { size } => place.check("size", size.to_array(), POSITIVE)?,

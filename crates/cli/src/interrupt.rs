@@ -1,0 +1,66 @@
+//! Ctrl-C, and the system's requests to end.
+//!
+//! The first request lets a rendering finish its pass and write what there is;
+//! the second ends the process. Before the rendering there is nothing to write,
+//! so the first ends it at once.
+
+use crate::failure::{Exit, Failure};
+use crate::tell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+/// Requests so far, and what they would disturb.
+#[derive(Debug, Default)]
+pub(crate) struct Interrupt {
+    requests: AtomicU32,
+    /// There is an image worth writing.
+    rendering: AtomicBool,
+    /// A file is being written.
+    writing: AtomicBool,
+}
+
+impl Interrupt {
+    /// Listens from now on.
+    pub(crate) fn install() -> Result<Arc<Self>, Failure> {
+        let interrupt = Arc::new(Self::default());
+        let listener = Arc::clone(&interrupt);
+        ctrlc::set_handler(move || listener.request())
+            .map_err(|error| Failure::failed(format!("cannot listen for Ctrl-C: {error}")))?;
+        Ok(interrupt)
+    }
+
+    /// True once someone has asked to stop.
+    pub(crate) fn requested(&self) -> bool {
+        self.requests.load(Ordering::SeqCst) > 0
+    }
+
+    /// From now on there is an image worth writing.
+    pub(crate) fn rendering_starts(&self) {
+        self.rendering.store(true, Ordering::SeqCst);
+    }
+
+    /// Runs `write`, which a request does not cut in two.
+    pub(crate) fn while_writing<T>(&self, write: impl FnOnce() -> T) -> T {
+        self.writing.store(true, Ordering::SeqCst);
+        let result = write();
+        self.writing.store(false, Ordering::SeqCst);
+        result
+    }
+
+    /// Runs in a thread of its own for every request.
+    fn request(&self) {
+        /// A file that takes longer than this is given up: stopping comes first.
+        const PATIENCE: Duration = Duration::from_secs(2);
+        let first = self.requests.fetch_add(1, Ordering::SeqCst) == 0;
+        if first && self.rendering.load(Ordering::SeqCst) {
+            return;
+        }
+        let asked = Instant::now();
+        while self.writing.load(Ordering::SeqCst) && asked.elapsed() < PATIENCE {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        tell("\ninterrupted");
+        std::process::exit(Exit::Interrupted as i32);
+    }
+}

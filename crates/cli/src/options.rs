@@ -1,0 +1,203 @@
+//! Values of options: what is written on the command line, and what it means.
+
+use clap::ValueEnum;
+use rutilant::display::Curve;
+use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
+use std::time::Duration;
+
+/// `800x600`.
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or("write it as 800x600")?;
+    let side = |text: &str| match text.trim().parse::<u32>() {
+        Ok(side) if side > 0 => Ok(side),
+        _ => Err(format!("\"{text}\" is not a number of pixels; write it as 800x600")),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+/// `x,y,w,h`.
+pub(crate) fn crop(text: &str) -> Result<Crop, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, width, height]) => Ok(Crop { x, y, width, height }),
+        _ => Err("write it as x,y,width,height in whole pixels, like 100,50,320,200".to_owned()),
+    }
+}
+
+/// `60s`, `5m`, `1h30m`, `1.5h`, or a plain number of seconds.
+pub(crate) fn duration(text: &str) -> Result<Duration, String> {
+    let wrong = || format!("\"{text}\" is not a time; write it as 60s, 5m or 1h30m");
+    let (mut seconds, mut rest) = (0.0_f64, text.trim());
+    if rest.is_empty() {
+        return Err(wrong());
+    }
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let number: f64 = rest[..digits].parse().map_err(|_| wrong())?;
+        let letters = &rest[digits..];
+        let end = letters.find(|c: char| !c.is_alphabetic()).unwrap_or(letters.len());
+        let unit = match &letters[..end] {
+            "ms" => 0.001,
+            "" | "s" => 1.0,
+            "m" | "min" => 60.0,
+            "h" => 3600.0,
+            "d" => 86_400.0,
+            _ => return Err(wrong()),
+        };
+        seconds += number * unit;
+        rest = &letters[end..];
+    }
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(time) if !time.is_zero() => Ok(time),
+        _ => Err(wrong()),
+    }
+}
+
+/// A finite number.
+pub(crate) fn finite(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("write a number, like 1.5 or -2".to_owned()),
+    }
+}
+
+/// How many of something: one at least.
+pub(crate) fn count<N: std::str::FromStr + Default + PartialEq>(text: &str) -> Result<N, String> {
+    match text.parse::<N>() {
+        Ok(n) if n != N::default() => Ok(n),
+        _ => Err("write a whole number, 1 or more".to_owned()),
+    }
+}
+
+/// How many threads.
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..=1024) => Ok(count),
+        _ => Err("write a number from 1 to 1024".to_owned()),
+    }
+}
+
+/// As many threads as the machine runs at once.
+pub(crate) fn all_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get).min(1024)
+}
+
+/// What is computed for each camera ray; the names are those of the scene format.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Integrator {
+    /// All light, over any number of bounces
+    Path,
+    /// The same, but lights are only found by chance: slow, for comparison
+    Naive,
+    /// Emission and direct light only
+    Direct,
+    /// Ambient occlusion: how much of the sky each point sees
+    Ao,
+    /// Shading normals, from −1..1 mapped to 0..1
+    Normals,
+    /// The part of white light that surfaces send back
+    Albedo,
+    /// Distance from the camera in metres
+    Depth,
+}
+
+impl From<Integrator> for IntegratorKind {
+    fn from(name: Integrator) -> Self {
+        match name {
+            Integrator::Path => Self::Path,
+            Integrator::Naive => Self::Naive,
+            Integrator::Direct => Self::Direct,
+            Integrator::Ao => Self::AmbientOcclusion,
+            Integrator::Normals => Self::Normals,
+            Integrator::Albedo => Self::Albedo,
+            Integrator::Depth => Self::Depth,
+        }
+    }
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Sampler {
+    /// Owen-scrambled Sobol points: less noise from the same number of samples
+    Sobol,
+    /// Every number drawn on its own
+    Independent,
+}
+
+impl From<Sampler> for SamplerKind {
+    fn from(name: Sampler) -> Self {
+        match name {
+            Sampler::Sobol => Self::Sobol,
+            Sampler::Independent => Self::Independent,
+        }
+    }
+}
+
+/// What becomes of values above white.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum DisplayCurve {
+    /// They are white; everything below stays exact
+    Clip,
+    /// A soft shoulder, as film has it
+    Filmic,
+}
+
+impl From<DisplayCurve> for Curve {
+    fn from(name: DisplayCurve) -> Self {
+        match name {
+            DisplayCurve::Clip => Self::Clip,
+            DisplayCurve::Filmic => Self::Filmic,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_counts_of_pixels() {
+        assert_eq!(size("800x600"), Ok([800, 600]));
+        assert_eq!(size("16×9"), Ok([16, 9]));
+        for wrong in ["", "800", "800x", "x600", "0x600", "-1x5", "8e2x5", "800x600x3"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn crops_are_four_numbers() {
+        assert_eq!(crop("1, 2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
+        for wrong in ["", "1,2,3", "1,2,3,4,5", "-1,2,3,4", "a,b,c,d"] {
+            assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times_add_up() {
+        for (text, seconds) in [
+            ("60s", 60.0),
+            ("90", 90.0),
+            ("5m", 300.0),
+            ("1h30m", 5400.0),
+            ("1.5h", 5400.0),
+            ("2min", 120.0),
+            ("250ms", 0.25),
+        ] {
+            assert_eq!(duration(text).map(|d| d.as_secs_f64()), Ok(seconds), "{text}");
+        }
+        for wrong in [
+            "",
+            "s",
+            "-5s",
+            "0",
+            "5 parsecs",
+            "1e400",
+            "..",
+            "inf",
+            "5m-3s",
+            "9999999999999999999999s",
+        ] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,564 @@
+//! The command line as its users meet it: the built program, its files, its exit status.
+
+use rutilant::display::Display;
+use rutilant::image::Image;
+use rutilant_formats::Limits;
+use rutilant_formats::image::Pixels;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// A room with everything that could depend on the order of work: glass, a lamp, a sky.
+const ROOM: &str = r#"
+version = 1
+
+[render]
+size = [101, 97]
+spp = 4
+
+[camera]
+position = [0, 1, 4]
+look_at = [0, 0.6, 0]
+fov_degrees = 40
+
+[environment]
+color = [0.2, 0.3, 0.5]
+
+[[material]]
+name = "floor"
+type = "matte"
+albedo = [0.6, 0.5, 0.4]
+
+[[material]]
+name = "glass"
+type = "dielectric"
+ior = 1.5
+
+[[material]]
+name = "lamp"
+type = "emissive"
+radiance = [9, 8, 6]
+
+[[shape]]
+type = "rectangle"
+size = [6, 6]
+rotate_degrees = [-90, 0, 0]
+material = "floor"
+
+[[shape]]
+type = "sphere"
+radius = 0.5
+center = [0, 0.5, 0]
+material = "glass"
+
+[[shape]]
+type = "rectangle"
+size = [1, 1]
+rotate_degrees = [90, 0, 0]
+translate = [0, 2, 0]
+material = "lamp"
+"#;
+
+/// A folder with the room in it, where the program runs.
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        fs::write(folder.path().join("room.toml"), ROOM).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rutilant"));
+        command.current_dir(self.folder.path()).args(arguments.split_whitespace());
+        command
+    }
+
+    fn run(&self, arguments: &str) -> Ran {
+        Ran::from(self.command(arguments).output().unwrap())
+    }
+
+    /// Runs what must succeed and says one line of JSON.
+    fn json(&self, arguments: &str) -> Value {
+        let ran = self.run(arguments);
+        assert_eq!(ran.status, 0, "{arguments}: {}", ran.error);
+        assert_eq!(ran.out.lines().count(), 1, "{arguments}: {}", ran.out);
+        serde_json::from_str(&ran.out).unwrap()
+    }
+
+    fn image(&self, name: &str) -> Image {
+        rutilant_formats::image::read(&self.path(name), &Limits::default()).unwrap()
+    }
+
+    fn files(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// What a run left behind.
+#[derive(Debug)]
+struct Ran {
+    status: i32,
+    out: String,
+    error: String,
+}
+
+impl From<Output> for Ran {
+    fn from(output: Output) -> Self {
+        Self {
+            // A process that a signal ended has no status: −1.
+            status: output.status.code().unwrap_or(-1),
+            out: String::from_utf8(output.stdout).unwrap(),
+            error: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+// ---- usage ----
+
+#[test]
+fn help_shows_the_way() {
+    let desk = Desk::new();
+    for arguments in ["--help", "-h", "render --help", "compare --help", "bench rays --help"] {
+        let ran = desk.run(arguments);
+        assert_eq!((ran.status, ran.error.as_str()), (0, ""), "{arguments}");
+        assert!(ran.out.contains("Usage:"), "{arguments}");
+    }
+    let help = desk.run("--help").out;
+    for word in ["--spp", "--time", "--crop", "check", "compare", "Examples:", "Exit status"] {
+        assert!(help.contains(word), "{word}");
+    }
+    assert!(desk.run("--version").out.starts_with("rutilant "));
+}
+
+/// Nothing is done with a command line that cannot be meant, and the answer says what could be.
+#[test]
+fn bad_usage_is_refused_with_a_hint() {
+    let desk = Desk::new();
+    for (arguments, hint) in [
+        ("room.toml --ssp 4", "--spp"),
+        ("room.toml --spp 0", "1 or more"),
+        ("room.toml --spp -3", "1 or more"),
+        ("room.toml --size 80", "800x600"),
+        ("room.toml --size 0x5", "800x600"),
+        ("room.toml --crop 1,2,3", "x,y,width,height"),
+        ("room.toml --crop 100,0,2,1", "crop"),
+        ("room.toml --size 70000x1", "65536"),
+        ("room.toml --time soon", "1h30m"),
+        ("room.toml --threads 0", "1024"),
+        ("room.toml --integrator magic", "path"),
+        ("room.toml --exposure nan", "number"),
+        ("room.toml other.toml", "other.toml"),
+        ("check", "SCENE"),
+        ("compare a.png", "REFERENCE"),
+        ("bench", "rays"),
+    ] {
+        let ran = desk.run(arguments);
+        assert_eq!(ran.status, 2, "{arguments}: {ran:?}");
+        assert!(ran.error.contains(hint), "{arguments}: {}", ran.error);
+        assert_eq!(ran.out, "", "{arguments}");
+    }
+    assert_eq!(desk.files(), ["room.toml"]);
+}
+
+// ---- errors ----
+
+#[test]
+fn a_missing_scene_is_one_clear_line() {
+    let desk = Desk::new();
+    let ran = desk.run("kitchen.toml -o a.png");
+    assert_eq!(ran.status, 2, "{ran:?}");
+    assert!(ran.error.contains("kitchen.toml"), "{}", ran.error);
+    assert_eq!(ran.error.lines().count(), 1, "{}", ran.error);
+    assert_eq!(desk.files(), ["room.toml"]);
+}
+
+/// Hours of work must not end with "no such folder": outputs are tried before anything is read.
+#[test]
+fn an_output_that_cannot_be_written_is_found_first() {
+    let desk = Desk::new();
+    for output in ["nowhere/a.png", "a.xyz", "a", ".", "room.toml"] {
+        let ran = desk.run(&format!("room.toml -o good.png -o {output}"));
+        assert_eq!(ran.status, 2, "{output}: {ran:?}");
+        assert_eq!(ran.error.lines().count(), 1, "{output}: {}", ran.error);
+        assert!(ran.error.starts_with("error: "), "{output}: {}", ran.error);
+        assert_eq!(desk.files(), ["room.toml"], "{output}");
+    }
+    assert_eq!(fs::read_to_string(desk.path("room.toml")).unwrap(), ROOM);
+    // Even a scene that does not exist is not looked for.
+    let ran = desk.run("kitchen.toml -o nowhere/a.png");
+    assert!(ran.error.contains("nowhere"), "{}", ran.error);
+}
+
+/// A bad scene names the place, as compilers do, and an older picture stays as it was.
+#[test]
+fn a_bad_scene_names_its_place_and_leaves_files_alone() {
+    let desk = Desk::new();
+    fs::write(desk.path("bad.toml"), ROOM.replace("albedo = [0.6", "albedo = [1.6")).unwrap();
+    fs::write(desk.path("bad.png"), "an older picture").unwrap();
+    for arguments in ["bad.toml", "check bad.toml", "info bad.toml"] {
+        let ran = desk.run(arguments);
+        assert_eq!(ran.status, 2, "{arguments}: {ran:?}");
+        assert!(ran.error.starts_with("bad.toml:19:"), "{arguments}: {}", ran.error);
+        assert!(ran.error.contains("albedo"), "{arguments}: {}", ran.error);
+    }
+    assert_eq!(fs::read_to_string(desk.path("bad.png")).unwrap(), "an older picture");
+    assert_eq!(desk.files(), ["bad.png", "bad.toml", "room.toml"]);
+}
+
+/// `rutilant … | head` closes the pipe while there is more to say: no reason to panic.
+#[test]
+fn nobody_has_to_listen() {
+    let desk = Desk::new();
+    for arguments in ["info room.toml", "check nowhere.toml", "room.toml --spp 1 --progress json"] {
+        let mut child =
+            desk.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop((child.stdout.take(), child.stderr.take()));
+        let status = child.wait().unwrap().code();
+        let expected = if arguments.contains("nowhere") { 2 } else { 0 };
+        assert_eq!(status, Some(expected), "{arguments}");
+    }
+}
+
+// ---- check and info ----
+
+#[test]
+fn check_tells_good_from_bad() {
+    let desk = Desk::new();
+    fs::write(desk.path("bad.toml"), ROOM.replace("albedo", "albdo")).unwrap();
+    let ran = desk.run("check room.toml");
+    assert_eq!(ran.status, 0, "{ran:?}");
+    assert!(ran.out.contains("3 objects"), "{}", ran.out);
+
+    // Every scene is checked, in order; one bad scene makes the whole bad.
+    let ran = desk.run("check bad.toml room.toml --json");
+    assert_eq!(ran.status, 2);
+    let verdicts: Vec<Value> =
+        ran.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((&verdicts[0]["ok"], &verdicts[1]["ok"]), (&false.into(), &true.into()));
+    let error = verdicts[0]["error"].as_str().unwrap();
+    assert!(error.starts_with("bad.toml:19:1: ") && error.contains("\"albedo\""), "{error}");
+}
+
+#[test]
+fn info_counts_what_is_there() {
+    let desk = Desk::new();
+    let info = desk.json("info room.toml --json");
+    assert_eq!(info["objects"], 3);
+    assert_eq!(info["triangles"], 4);
+    assert_eq!(info["materials"]["dielectric"], 1);
+    assert_eq!(info["lights"]["glowing rectangle"], 1);
+    assert_eq!(info["lights"]["even sky"], 1);
+    assert!(number(&info["bvh"]["nodes"]) >= 1.0);
+    assert!(number(&info["bvh"]["bytes"]) > 0.0);
+    for (corner, expected) in [(0, [-3.0, 0.0, -3.0]), (1, [3.0, 2.0, 3.0])] {
+        for (i, expected) in expected.into_iter().enumerate() {
+            let got = number(&info["bounds"][corner][i]);
+            assert!((got - expected).abs() < 1e-4, "{info}");
+        }
+    }
+    let text = desk.run("info room.toml").out;
+    assert!(text.contains("SAH cost") && text.contains("4 triangles"), "{text}");
+}
+
+// ---- render ----
+
+/// The picture is a function of the scene alone: the old program lost rows with 7 threads and
+/// shifted bands with 16.
+#[test]
+fn any_number_of_threads_gives_the_same_pixels() {
+    let desk = Desk::new();
+    let hash = |arguments: &str| {
+        desk.json(&format!("room.toml -o a.exr --quiet --json {arguments}"))["hash"].clone()
+    };
+    let expected = hash("--threads 1");
+    for threads in [2, 3, 5, 7, 16, 61] {
+        assert_eq!(hash(&format!("--threads {threads}")), expected, "{threads} threads");
+    }
+    assert_ne!(hash("--seed 1"), expected);
+    assert_ne!(hash("--sampler independent"), expected);
+}
+
+/// Windows of a picture, put together, are the picture.
+#[test]
+fn crops_put_together_are_the_whole() {
+    let desk = Desk::new();
+    desk.json("room.toml -o whole.exr --json");
+    let whole = desk.image("whole.exr");
+    let rgb = whole.rgb().unwrap();
+    // Cuts at odd places, one column wide and one row high among them.
+    let (xs, ys) = ([0, 1, 37, 64, 101], [0, 31, 32, 97]);
+    let mut pixels = 0;
+    for x in xs.windows(2) {
+        for y in ys.windows(2) {
+            let (w, h) = (x[1] - x[0], y[1] - y[0]);
+            desk.json(&format!("room.toml -o part.exr --json --crop {},{},{w},{h}", x[0], y[0]));
+            let part = desk.image("part.exr");
+            assert_eq!((part.width() as usize, part.height() as usize), (w, h));
+            for (i, pixel) in part.rgb().unwrap().iter().enumerate() {
+                let at = (y[0] + i / w) * 101 + x[0] + i % w;
+                assert_eq!(*pixel, rgb[at], "pixel {at}");
+                pixels += 1;
+            }
+        }
+    }
+    assert_eq!(pixels, 101 * 97);
+}
+
+/// Without `-o` the picture is called like the scene and lies in the current folder; the hash of
+/// the pixels is the only thing on standard output.
+#[test]
+fn the_picture_is_called_like_the_scene() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("scenes")).unwrap();
+    fs::rename(desk.path("room.toml"), desk.path("scenes/room.v2.toml")).unwrap();
+    let ran = desk.run("scenes/room.v2.toml --spp 1");
+    assert_eq!(ran.status, 0, "{ran:?}");
+    assert_eq!(desk.files(), ["room.v2.png", "scenes"]);
+    let hash = ran.out.strip_prefix("hash ").unwrap().trim_end();
+    assert_eq!(hash.len(), 16);
+    assert!(hash.chars().all(|c| c.is_ascii_hexdigit()), "{hash}");
+    assert!(ran.error.contains("wrote room.v2.png"), "{}", ran.error);
+
+    let quiet = desk.run("scenes/room.v2.toml --spp 1 --quiet");
+    assert_eq!((quiet.out, quiet.error), (ran.out, String::new()));
+}
+
+/// Without anything: the built-in scene, small here, and what to try next.
+#[test]
+fn the_built_in_scene_needs_no_file() {
+    let desk = Desk::new();
+    let ran = desk.run("--size 40x30 --spp 1");
+    assert_eq!(ran.status, 0, "{ran:?}");
+    assert!(desk.files().contains(&"glass-cube.png".to_owned()));
+    assert!(ran.error.contains("rutilant --help"), "{}", ran.error);
+    assert_eq!(desk.image("glass-cube.png").width(), 40);
+}
+
+/// Files for eyes obey the display; files for light do not.
+#[test]
+fn exposure_changes_what_is_shown_and_not_what_is_stored() {
+    let desk = Desk::new();
+    let hash = |arguments: &str| desk.json(arguments)["hash"].clone();
+    let plain = hash("room.toml -o a.exr -o a.png --json");
+    let brighter = hash("room.toml -o b.exr -o b.png --exposure 2 --curve filmic --json");
+    assert_eq!(plain, brighter);
+    assert_eq!(fs::read(desk.path("a.exr")).unwrap(), fs::read(desk.path("b.exr")).unwrap());
+    assert_ne!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
+}
+
+/// Programs get lines of JSON, the result last, and nothing else.
+#[test]
+fn progress_for_programs_is_lines_of_json() {
+    let desk = Desk::new();
+    let ran = desk.run("room.toml --spp 8 --progress json");
+    assert_eq!(ran.status, 0, "{ran:?}");
+    let lines: Vec<Value> =
+        ran.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let (last, updates) = lines.split_last().unwrap();
+    assert!(!updates.is_empty() && updates.iter().all(|u| u["event"] == "progress"));
+    let final_update = updates.last().unwrap();
+    assert_eq!((&final_update["samples"], &final_update["done"]), (&8.into(), &1.0.into()));
+    assert_eq!((&last["event"], &last["spp"]), (&"done".into(), &8.into()));
+    assert_eq!(last["paths"], 8 * 101 * 97);
+    assert!(number(&last["rays"]) >= number(&last["paths"]));
+}
+
+/// Time alone ends a rendering that has no other end, and not much later than asked.
+#[test]
+fn a_time_limit_is_kept() {
+    let desk = Desk::new();
+    let result = desk.json("room.toml --time 1s --json");
+    let seconds = number(&result["seconds"]["render"]);
+    assert!((0.5..2.0).contains(&seconds), "{seconds}");
+    assert!(number(&result["spp"]) >= 1.0);
+    assert_eq!(result["interrupted"], false);
+    // Samples that are reached first end it first.
+    assert_eq!(desk.json("room.toml --time 1h --spp 2 --json")["spp"], 2);
+}
+
+/// Starts a rendering without an end and waits until it is under way.
+#[cfg(unix)]
+fn start_endless(desk: &Desk, arguments: &str) -> std::process::Child {
+    use std::io::{BufRead, BufReader};
+    let mut child = desk
+        .command(&format!("room.toml --time 1h --progress json {arguments}"))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Read to the first update that counts something; later ones stay in the pipe, unread.
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("\"paths\":") || line.contains("\"paths\":0,") {
+        line.clear();
+        assert!(out.read_line(&mut line).unwrap() > 0, "the program ended");
+    }
+    std::thread::spawn(move || out.lines().count());
+    child
+}
+
+#[cfg(unix)]
+fn signal(child: &std::process::Child, name: &str) {
+    let status = Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+/// The first Ctrl-C, or the system's wish to end, writes what there is.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_writes_the_image() {
+    for name in ["-INT", "-TERM"] {
+        let desk = Desk::new();
+        let mut child = start_endless(&desk, "-o a.exr -o a.png");
+        signal(&child, name);
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{name}");
+        assert_eq!(desk.files(), ["a.exr", "a.png", "room.toml"], "{name}");
+        let image = desk.image("a.exr");
+        assert_eq!((image.width(), image.height()), (101, 97));
+        assert!(image.rgb().unwrap().iter().flatten().all(|c| c.is_finite()));
+    }
+}
+
+/// The second Ctrl-C ends the program at once, and no half of a file is left.
+#[cfg(unix)]
+#[test]
+fn a_second_interrupt_stops_at_once() {
+    let desk = Desk::new();
+    // One pass of this takes far longer than the test waits.
+    let mut child = start_endless(&desk, "--size 3000x3000 -o a.png");
+    signal(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(child.try_wait().unwrap(), None, "the first interrupt waits for the pass");
+    let asked = Instant::now();
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    assert_eq!(desk.files(), ["room.toml"]);
+}
+
+// ---- compare ----
+
+/// Writes a picture by formula.
+fn write_picture(path: &Path, size: [u32; 2], f: impl Fn(u32, u32) -> [f32; 3]) {
+    let [width, height] = size;
+    let pixels: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
+    let pixels: Vec<_> = pixels.into_iter().map(|(x, y)| f(x, y)).collect();
+    let image = Image::from_rgb(width, height, &pixels).unwrap();
+    let rgb8 = pixels.iter().flat_map(|c| Display::default().encode(*c)).collect::<Vec<_>>();
+    let pixels = if path.extension().is_some_and(|e| e == "png") {
+        Pixels::Display { width, height, rgb8: &rgb8 }
+    } else {
+        Pixels::Light(&image)
+    };
+    rutilant_formats::image::write(path, pixels, &Default::default()).unwrap();
+}
+
+#[test]
+fn compare_measures_known_differences() {
+    let desk = Desk::new();
+    let size = [64, 48];
+    let ramp = |x: u32, y: u32| [x as f32 / 64.0, y as f32 / 48.0, 0.5];
+    write_picture(&desk.path("a.exr"), size, ramp);
+    write_picture(&desk.path("b.exr"), size, |x, y| ramp(x, y).map(|c| c + 0.25));
+    write_picture(&desk.path("a.png"), size, ramp);
+
+    let same = desk.json("compare a.exr a.exr --json");
+    for key in ["rmse", "relmse", "relmse_999", "flip", "hdr_flip"] {
+        assert_eq!(number(&same[key]), 0.0, "{key}");
+    }
+    assert_eq!(same["psnr"], Value::Null);
+
+    let off = desk.json("compare b.exr a.exr --json --diff diff.png");
+    assert!((number(&off["rmse"]) - 0.25).abs() < 1e-3, "{off}");
+    assert!((number(&off["bias"]) - 0.25).abs() < 1e-3, "{off}");
+    assert!(number(&off["flip"]) > 0.05 && number(&off["hdr_flip"]) > 0.05, "{off}");
+    assert_eq!((desk.image("diff.png").width(), desk.image("diff.png").height()), (64, 48));
+
+    // A picture for eyes has no exposures to try.
+    let shown = desk.json("compare a.png a.exr --json");
+    assert_eq!(shown["hdr_flip"], Value::Null);
+    assert!(number(&shown["flip"]) < 1e-3, "{shown}");
+    let text = desk.run("compare b.exr a.exr").out;
+    for word in ["RMSE", "relMSE", "worst 0.1 %", "PSNR", "FLIP", "HDR-FLIP"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
+#[test]
+fn compare_counts_what_is_no_number() {
+    let desk = Desk::new();
+    write_picture(&desk.path("a.exr"), [20, 20], |_, _| [0.5; 3]);
+    write_picture(&desk.path("nan.exr"), [20, 20], |x, _| [if x == 3 { f32::NAN } else { 0.5 }; 3]);
+    let result = desk.json("compare nan.exr a.exr --json");
+    assert_eq!(result["not_finite"], serde_json::json!([20, 0]));
+    assert_eq!(number(&result["rmse"]), 0.0);
+    assert_eq!(number(&result["flip"]), 0.0);
+    let nothing = desk.run("compare a.exr room.toml");
+    assert_eq!(nothing.status, 2, "{nothing:?}");
+}
+
+#[test]
+fn compare_refuses_other_sizes() {
+    let desk = Desk::new();
+    write_picture(&desk.path("a.exr"), [20, 20], |_, _| [0.5; 3]);
+    write_picture(&desk.path("b.exr"), [20, 21], |_, _| [0.5; 3]);
+    let ran = desk.run("compare a.exr b.exr");
+    assert_eq!(ran.status, 2, "{ran:?}");
+    assert!(ran.error.contains("20×20") && ran.error.contains("20×21"), "{}", ran.error);
+}
+
+// ---- bench ----
+
+/// Four rays over a unit triangle: two hits at t = 1 and 3, one beyond its range, one beside.
+#[test]
+fn bench_finds_the_right_hits() {
+    let desk = Desk::new();
+    let write = |name: &str, numbers: &[f32]| {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        fs::write(desk.path(name), bytes).unwrap();
+    };
+    write("one.tris", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+    let ray = |x: f32, z: f32, t_max: f32| [x, 0.25, z, 0.0, 0.0, 0.0, -1.0, t_max];
+    let rays =
+        [ray(0.25, 1.0, 1e30), ray(0.25, 3.0, 1e30), ray(0.25, 3.0, 2.0), ray(2.0, 1.0, 1e30)];
+    write("four.rays", rays.as_flattened());
+    for threads in [1, 3] {
+        let report = desk.json(&format!(
+            "bench rays one.tris four.rays four.rays --repetitions 2 --threads {threads} --json"
+        ));
+        assert_eq!(report["triangles"], 1);
+        for set in report["sets"].as_array().unwrap() {
+            assert_eq!((&set["hits"], &set["blocked"]), (&2.into(), &2.into()), "{set}");
+            assert!((number(&set["sum_of_t"]) - 4.0).abs() < 1e-5, "{set}");
+        }
+    }
+    let text = desk.run("bench rays one.tris four.rays").out;
+    assert!(text.contains("four.rays") && text.contains("Mray/s"), "{text}");
+
+    write("short.rays", &[1.0; 9]);
+    write("nan.rays", &[f32::NAN; 8]);
+    for bad in ["short.rays", "nan.rays", "none.rays"] {
+        let ran = desk.run(&format!("bench rays one.tris {bad}"));
+        assert_eq!(ran.status, 2, "{bad}");
+        assert!(ran.error.contains(bad), "{bad}: {}", ran.error);
+    }
+}

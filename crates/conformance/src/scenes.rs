@@ -1,0 +1,300 @@
+//! Small scenes that between them use every shape, material and light.
+//!
+//! Lamps are large and near what they light, so that scattered rays find them often enough for
+//! the mean of some thousand samples to be normally distributed: what the z-test assumes.
+
+use rutilant::camera::Perspective;
+use rutilant::color::Rgb;
+use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::image::Image;
+use rutilant::light::Environment;
+use rutilant::material::{Absorption, Conductor, Dielectric, Emission, Matte, Mirror, Mix};
+use rutilant::scene::{MaterialId, Scene};
+use rutilant::shape::{Mesh, Object, Shape};
+use std::f32::consts::FRAC_PI_2;
+
+/// A scene and its name.
+pub struct Named {
+    /// What to call it in a report.
+    pub name: &'static str,
+    /// The scene.
+    pub scene: Scene,
+}
+
+/// All of them.
+pub fn all() -> Vec<Named> {
+    let named = |name, scene| Named { name, scene };
+    vec![
+        named("cornell box", cornell_box()),
+        named("half mirrors", half_mirrors()),
+        named("glass and caustic", glass_and_caustic()),
+        named("sky map", sky_map()),
+        named("many lamps", many_lamps()),
+        named("coloured water", coloured_water()),
+        named("metals under a sky", metals()),
+        named("smooth mesh", smooth_mesh()),
+        named("glowing box", glowing_box()),
+        named("lens", lens()),
+    ]
+}
+
+fn at(x: f32, y: f32, z: f32) -> Transform {
+    Transform::translate(Vec3::new(x, y, z))
+}
+
+/// A rectangle's transform: lying at height `y`, facing up.
+fn floor_at(y: f32) -> Transform {
+    at(0.0, y, 0.0) * Transform::rotate(Vec3::X, -FRAC_PI_2)
+}
+
+/// Facing down.
+fn ceiling_at(y: f32) -> Transform {
+    at(0.0, y, 0.0) * Transform::rotate(Vec3::X, FRAC_PI_2)
+}
+
+fn looking(from: [f32; 3], to: [f32; 3]) -> Scene {
+    let camera = Perspective::look_at(from.into(), to.into(), 0.8).expect("two different points");
+    Scene::new(camera)
+}
+
+fn matte(scene: &mut Scene, r: f32, g: f32, b: f32) -> MaterialId {
+    scene.add_material(Matte { albedo: Rgb::new(r, g, b) })
+}
+
+fn lamp(scene: &mut Scene, radiance: f32) -> MaterialId {
+    scene.add_material(Emission::radiance(Rgb::new(radiance, 0.9 * radiance, 0.7 * radiance)))
+}
+
+fn put(scene: &mut Scene, shape: Shape, material: MaterialId, place: Transform) {
+    scene.objects.push(Object::new(shape, material).transformed(&place));
+}
+
+fn rectangle(x: f32, y: f32) -> Shape {
+    Shape::Rectangle { size: Vec2::new(x, y) }
+}
+
+fn ball(radius: f32) -> Shape {
+    Shape::Sphere { radius }
+}
+
+/// Five walls, two boxes, a lamp.
+fn cornell_box() -> Scene {
+    let mut s = looking([0.0, 1.0, 3.6], [0.0, 1.0, 0.0]);
+    let white = matte(&mut s, 0.73, 0.71, 0.68);
+    let red = matte(&mut s, 0.63, 0.07, 0.05);
+    let green = matte(&mut s, 0.14, 0.45, 0.09);
+    let light = lamp(&mut s, 6.0);
+    let turned = |angle| Transform::rotate(Vec3::Y, angle);
+    put(&mut s, rectangle(2.0, 2.0), white, floor_at(0.0));
+    put(&mut s, rectangle(2.0, 2.0), white, ceiling_at(2.0));
+    put(&mut s, rectangle(2.0, 2.0), white, at(0.0, 1.0, -1.0));
+    put(&mut s, rectangle(2.0, 2.0), red, at(-1.0, 1.0, 0.0) * turned(FRAC_PI_2));
+    put(&mut s, rectangle(2.0, 2.0), green, at(1.0, 1.0, 0.0) * turned(-FRAC_PI_2));
+    put(&mut s, Shape::Box { size: Vec3::splat(0.6) }, white, at(0.35, 0.3, 0.35) * turned(-0.3));
+    put(
+        &mut s,
+        Shape::Box { size: Vec3::new(0.6, 1.2, 0.6) },
+        white,
+        at(-0.35, 0.6, -0.3) * turned(0.3),
+    );
+    put(&mut s, rectangle(1.0, 1.0), light, ceiling_at(1.98));
+    s
+}
+
+/// The report's specular component at several proportions, on a floor and on balls.
+fn half_mirrors() -> Scene {
+    let mut s = looking([0.0, 1.5, 5.0], [0.0, 0.4, 0.0]);
+    let grey = matte(&mut s, 0.9, 0.8, 0.7);
+    let mirror = s.add_material(Mirror { reflectance: Rgb::new(0.9, 0.95, 1.0) });
+    let light = lamp(&mut s, 4.0);
+    for (i, amount) in [0.2, 0.5, 0.9].into_iter().enumerate() {
+        let mix = s.add_material(Mix { first: grey, second: mirror, amount });
+        put(&mut s, ball(0.6), mix, at(1.5 * (i as f32 - 1.0), 0.6, 0.0));
+        if amount == 0.5 {
+            put(&mut s, rectangle(12.0, 12.0), mix, floor_at(0.0));
+        }
+    }
+    put(&mut s, rectangle(3.0, 3.0), light, ceiling_at(3.0));
+    s
+}
+
+/// Light that reaches the floor only through glass, and a ball seen through more of it.
+fn glass_and_caustic() -> Scene {
+    let mut s = looking([0.5, 1.6, 4.0], [0.0, 0.5, 0.0]);
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let glass = s.add_material(Dielectric::new(1.5));
+    let mut green = Dielectric::new(1.5);
+    green.interior.absorption = Absorption::Coefficient(Rgb::new(0.9, 0.2, 0.9));
+    let green = s.add_material(green);
+    let light = lamp(&mut s, 5.0);
+    put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
+    put(&mut s, ball(0.7), glass, at(-0.7, 0.8, 0.0));
+    put(
+        &mut s,
+        Shape::Box { size: Vec3::splat(1.0) },
+        green,
+        at(0.8, 0.6, -0.3) * Transform::rotate(Vec3::Y, 0.5),
+    );
+    put(&mut s, ball(0.3), white, at(-0.7, 0.3, -1.5));
+    put(&mut s, Shape::Disk { radius: 1.6 }, light, ceiling_at(3.0));
+    s
+}
+
+/// A sky with a bright patch, turned, over balls.
+fn sky_map() -> Scene {
+    let mut s = looking([0.0, 1.0, 4.0], [0.0, 0.4, 0.0]);
+    let (width, height) = (32_u32, 16_u32);
+    let pixels: Vec<[f32; 3]> = (0..width * height)
+        .map(|i| {
+            let (x, y) = (i % width, i / width);
+            let sun = (18..22).contains(&x) && (3..6).contains(&y);
+            if sun { [30.0, 25.0, 15.0] } else { [0.2, 0.3, 0.05 * (height - y) as f32] }
+        })
+        .collect();
+    let image = Image::from_rgb(width, height, &pixels).expect("as many pixels as the size says");
+    let image = s.add_image(image);
+    s.environment = Some(Environment { rotation: 1.0, scale: 0.8, ..Environment::image(image) });
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let mirror = s.add_material(Mirror { reflectance: Rgb::WHITE });
+    put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
+    put(&mut s, ball(0.5), white, at(-0.6, 0.5, 0.0));
+    put(&mut s, ball(0.5), mirror, at(0.6, 0.5, 0.0));
+    s
+}
+
+/// A glowing triangle, rectangle, disk, ellipse and ball, one of them two-sided, over a floor.
+fn many_lamps() -> Scene {
+    let mut s = looking([0.0, 2.0, 5.0], [0.0, 0.5, 0.0]);
+    let white = matte(&mut s, 0.7, 0.7, 0.7);
+    put(&mut s, rectangle(5.0, 5.0), white, floor_at(0.0));
+    let dim = lamp(&mut s, 2.0);
+    let bright = lamp(&mut s, 6.0);
+    let both =
+        s.add_material(Emission { two_sided: true, ..Emission::radiance(Rgb::new(1.0, 2.0, 4.0)) });
+    let triangle = s.add_mesh(Mesh {
+        positions: vec![
+            Vec3::new(-1.0, 2.5, 0.0),
+            Vec3::new(1.0, 2.5, 0.0),
+            Vec3::new(0.0, 2.0, -1.5),
+        ],
+        triangles: vec![[0, 2, 1]],
+        ..Mesh::default()
+    });
+    put(&mut s, Shape::Mesh(triangle), dim, Transform::IDENTITY);
+    put(&mut s, ball(0.5), dim, at(-1.8, 0.7, 0.0));
+    put(
+        &mut s,
+        Shape::Disk { radius: 0.6 },
+        bright,
+        at(1.8, 1.2, -0.5) * Transform::rotate(Vec3::Y, -FRAC_PI_2),
+    );
+    put(&mut s, rectangle(1.0, 1.4), both, at(0.3, 0.8, 0.2) * Transform::rotate(Vec3::Y, 0.9));
+    let squeezed = Transform::scale(Vec3::new(1.0, 0.4, 1.0));
+    put(&mut s, Shape::Disk { radius: 0.8 }, bright, at(-0.5, 1.5, -2.0) * squeezed);
+    s
+}
+
+/// Balls and a lamp inside coloured water of index 1.33.
+fn coloured_water() -> Scene {
+    let mut s = looking([0.0, 1.0, 7.0], [0.0, 0.0, 0.0]);
+    let mut water = Dielectric::new(1.33);
+    let color = Rgb::new(0.5, 0.8, 0.9);
+    water.interior.absorption = Absorption::ColorAtDistance { color, distance: 2.0 };
+    let water = s.add_material(water);
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let light = lamp(&mut s, 5.0);
+    s.environment = Some(Environment::constant(Rgb::new(0.1, 0.2, 0.3)));
+    put(&mut s, Shape::Box { size: Vec3::new(4.0, 3.0, 3.0) }, water, Transform::IDENTITY);
+    put(&mut s, ball(0.6), white, at(-0.9, -0.5, 0.0));
+    put(&mut s, ball(0.6), light, at(0.9, 0.6, 0.0));
+    s
+}
+
+/// Gold and copper under a grey sky with a lamp.
+fn metals() -> Scene {
+    let mut s = looking([0.0, 1.2, 4.0], [0.0, 0.5, 0.0]);
+    s.environment = Some(Environment::constant(Rgb::new(0.5, 0.6, 0.7)));
+    let white = matte(&mut s, 0.6, 0.6, 0.6);
+    let gold = s.add_material(Conductor {
+        eta: Rgb::new(0.143, 0.375, 1.442),
+        k: Rgb::new(3.983, 2.386, 1.603),
+    });
+    let copper = s.add_material(Conductor {
+        eta: Rgb::new(0.200, 0.924, 1.102),
+        k: Rgb::new(3.912, 2.452, 2.142),
+    });
+    let light = lamp(&mut s, 3.0);
+    put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
+    put(&mut s, ball(0.6), gold, at(-0.7, 0.6, 0.0));
+    put(
+        &mut s,
+        Shape::Box { size: Vec3::splat(0.9) },
+        copper,
+        at(0.8, 0.45, 0.0) * Transform::rotate(Vec3::Y, 0.6),
+    );
+    put(&mut s, rectangle(2.0, 2.0), light, at(0.0, 2.0, -2.0) * Transform::rotate(Vec3::X, 0.6));
+    s
+}
+
+/// A coarse ball with vertex normals, matte and glass: shading normals differ much from true ones.
+fn smooth_mesh() -> Scene {
+    let mut s = looking([0.0, 1.2, 4.0], [0.0, 0.6, 0.0]);
+    let white = matte(&mut s, 0.8, 0.7, 0.6);
+    let glass = s.add_material(Dielectric::new(1.5));
+    let light = lamp(&mut s, 4.0);
+    let mesh = s.add_mesh(coarse_ball());
+    put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
+    put(&mut s, Shape::Mesh(mesh), white, at(-0.8, 0.7, 0.0));
+    put(&mut s, Shape::Mesh(mesh), glass, at(0.8, 0.7, 0.0));
+    put(&mut s, rectangle(3.0, 3.0), light, ceiling_at(3.0));
+    s
+}
+
+/// An octahedron, each face cut in four, with normals from its centre.
+fn coarse_ball() -> Mesh {
+    let mut mesh = Mesh { name: "coarse ball".into(), ..Mesh::default() };
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    for octant in 0..8 {
+        let sign = |axis: usize| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
+        let [a, b, c] = [0, 1, 2].map(|axis| axes[axis] * sign(axis));
+        let corners = [a, b, c, (a + b).normalize(), (b + c).normalize(), (c + a).normalize()];
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners.map(|p| p * 0.7));
+        mesh.normals.extend(corners);
+        let outward = sign(0) * sign(1) * sign(2) > 0.0;
+        mesh.triangles.extend([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(|[i, j, k]| {
+            let t = if outward { [i, j, k] } else { [i, k, j] };
+            t.map(|v: u32| v + first)
+        }));
+    }
+    mesh
+}
+
+/// A matte box that glows on its outside, and a closed room around it.
+fn glowing_box() -> Scene {
+    let mut s = looking([0.0, 0.3, 1.9], [0.0, 0.0, 0.0]);
+    let wall = matte(&mut s, 0.6, 0.5, 0.4);
+    let glow = Emission::radiance(Rgb::new(1.0, 1.5, 2.0));
+    let core = s.add_material(
+        rutilant::material::Material::from(Matte { albedo: Rgb::grey(0.5) }).emitting(glow),
+    );
+    put(&mut s, Shape::Box { size: Vec3::splat(4.0) }, wall, Transform::IDENTITY);
+    put(&mut s, Shape::Box { size: Vec3::splat(0.9) }, core, Transform::rotate(Vec3::ONE, 0.7));
+    s
+}
+
+/// Balls in and out of focus.
+fn lens() -> Scene {
+    let mut camera = Perspective::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::new(0.0, 0.5, 0.0), 0.8)
+        .expect("two different points");
+    camera.aperture_radius = 0.2;
+    let mut s = Scene::new(camera);
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let red = matte(&mut s, 0.8, 0.2, 0.1);
+    let light = lamp(&mut s, 4.0);
+    put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
+    put(&mut s, ball(0.5), red, at(-0.7, 0.5, 1.5));
+    put(&mut s, ball(0.5), red, at(0.7, 0.5, -1.5));
+    put(&mut s, rectangle(3.0, 3.0), light, ceiling_at(3.0));
+    s
+}

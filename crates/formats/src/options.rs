@@ -1,0 +1,14 @@
+//! What a caller may ask of reading.
+
+use crate::Limits;
+
+/// How to read a scene. The default is right for files from strangers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReadOptions<'a> {
+    /// How much the files may ask for.
+    pub limits: Limits,
+    /// Whether a scene may name files outside its own folder.
+    pub allow_outside: bool,
+    /// Images that need no disk, by the name that the scene uses: found before any file.
+    pub embedded: &'a [(&'a str, &'a [u8])],
+}

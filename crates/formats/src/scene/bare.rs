@@ -1,0 +1,64 @@
+//! A mesh file on its own, made a scene: grey where it has no material, under an even sky.
+
+use super::framing::frame_all;
+use super::{LoadedScene, mesh_file};
+use crate::{ReadOptions, SceneError, SceneErrorKind, Source};
+use rutilant::camera::Perspective;
+use rutilant::color::Rgb;
+use rutilant::light::Environment;
+use rutilant::material::{Material, Matte};
+use rutilant::scene::Scene;
+use rutilant::settings::Settings;
+use rutilant::shape::{Object, Shape};
+use rutilant_geom::Transform;
+use std::path::Path;
+
+/// Reads a mesh file of any kind.
+pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
+    let refuse = |what: String| {
+        let kind = SceneErrorKind::Invalid(what);
+        SceneError { at: Source::file(path), kind }
+    };
+    let file = mesh_file::read(path, &options.limits)?;
+    let (mut scene, settings, mut notes) = (empty(), Settings::default(), file.notes);
+
+    // The file's materials, and grey for what has none.
+    let materials = mesh_file::adopt(&mut scene, file.materials);
+    let bare = |name: &Option<String>| name.as_ref().is_none_or(|n| !materials.contains_key(n));
+    if let Some(without) = mesh_file::without_material(&file.meshes, &materials) {
+        notes.push(format!("{without}: matte grey stands in"));
+    } else if file.meshes.iter().any(|(_, name)| bare(name)) {
+        notes.push("the file has no materials: matte grey stands in".to_owned());
+    }
+    let backup = scene.add_material(grey());
+    for (mesh, name) in file.meshes {
+        let own = name.and_then(|name| materials.get(&name).copied());
+        let shape = Shape::Mesh(scene.add_mesh(mesh));
+        scene.objects.push(Object::new(shape, own.unwrap_or(backup)));
+    }
+
+    // Light and a camera.
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    scene.camera = frame_all(&scene, settings.size)
+        .ok_or_else(|| refuse("there is nothing to see: no vertex is a finite point".to_owned()))?
+        .into();
+    notes.push("a mesh has no sky and no camera: an even white sky lights it, and the camera was chosen to see all of it".to_owned());
+
+    scene.validate().map_err(|problem| refuse(problem.to_string()))?;
+    Ok(LoadedScene { scene, settings, display: Default::default(), notes })
+}
+
+/// A matte grey that shows form: neither white nor dark.
+pub(super) fn grey() -> Material {
+    Material::from(Matte { albedo: Rgb::grey(0.5) }).named("grey")
+}
+
+/// A scene with nothing in it, seen by a camera that is to be replaced.
+pub(super) fn empty() -> Scene {
+    Scene::new(Perspective {
+        world_from_camera: Transform::IDENTITY,
+        fov_y: 1.0,
+        aperture_radius: 0.0,
+        focus_distance: 1.0,
+    })
+}

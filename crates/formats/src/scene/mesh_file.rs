@@ -1,0 +1,82 @@
+//! Mesh files of any format, alone or named by a scene.
+
+use super::nearest::shown;
+use super::obj::{self, ObjScene};
+use super::ply;
+use crate::{Limits, SceneError, SceneErrorKind, Source};
+use rutilant::material::{Material, MaterialKind};
+use rutilant::scene::{MaterialId, Scene};
+use rutilant::shape::Mesh;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Meshes with the names of their materials, the materials, and what a person should know.
+type MeshReader = fn(&Path, &Limits) -> Result<ObjScene, SceneError>;
+
+/// Every kind of mesh file, by its extension.
+const MESHES: &[(&str, MeshReader)] = &[("obj", obj::read), ("ply", read_ply)];
+
+/// Reads a mesh file of any kind.
+pub(super) fn read(path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let extension = extension.unwrap_or_default();
+    match MESHES.iter().find(|(name, _)| *name == extension) {
+        Some((_, read)) => read(path, limits),
+        None => {
+            let what = "meshes are read from .obj and .ply files only".to_owned();
+            Err(SceneError { at: Source::file(path), kind: SceneErrorKind::Unsupported(what) })
+        }
+    }
+}
+
+/// A PLY file is an OBJ file with one mesh and no materials.
+fn read_ply(path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
+    let (mesh, notes) = ply::read(path, limits)?;
+    Ok(ObjScene { meshes: vec![(mesh, None)], materials: Vec::new(), notes })
+}
+
+/// Adds a file's materials to a scene, and gives them by name.
+pub(super) fn adopt(scene: &mut Scene, materials: Vec<Material>) -> HashMap<String, MaterialId> {
+    // The file counts its materials from 0; in the scene they follow those already there.
+    let first = scene.materials.len() as u32;
+    let mut ids = HashMap::new();
+    for material in materials {
+        let name = material.name.clone();
+        let id = scene.add_material(renumbered(material, first));
+        ids.entry(name).or_insert(id);
+    }
+    ids
+}
+
+/// A material whose parts are counted from `first` on.
+fn renumbered(mut material: Material, first: u32) -> Material {
+    if let MaterialKind::Mix(mix) = &mut material.kind {
+        for part in [&mut mix.first, &mut mix.second] {
+            part.0 = part.0.saturating_add(first);
+        }
+    }
+    material
+}
+
+/// How much of a file has no material although the file has some, for people. `None` where
+/// everything has one, or where the file never speaks of materials.
+pub(super) fn without_material(
+    meshes: &[(Mesh, Option<String>)],
+    ids: &HashMap<String, MaterialId>,
+) -> Option<String> {
+    let declared = |name: &Option<String>| name.as_ref().is_some_and(|n| ids.contains_key(n));
+    let mut bare = meshes.iter().filter(|(_, name)| !declared(name)).peekable();
+    bare.peek()?;
+    if ids.is_empty() && meshes.iter().all(|(_, name)| name.is_none()) {
+        return None;
+    }
+    let undeclared = bare.clone().find_map(|(_, name)| name.as_ref());
+    let count: usize = bare.map(|(mesh, _)| mesh.triangles.len()).sum();
+    Some(match undeclared {
+        Some(name) => {
+            let name = shown(name);
+            format!("{count} triangles have no material (\"{name}\" is named but not declared)")
+        }
+        None => format!("{count} triangles have no material"),
+    })
+}

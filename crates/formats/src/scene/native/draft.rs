@@ -1,0 +1,145 @@
+//! A scene while it is being read.
+
+use super::Table;
+use crate::scene::bare;
+use crate::scene::files::Files;
+use crate::scene::nearest::shown;
+use crate::{Limits, ReadOptions, SceneError, SceneErrorKind};
+use rutilant::material::Material;
+use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem};
+use rutilant::shape::{Mesh, Object};
+use rutilant_geom::Aabb;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// The scene so far, and what is needed to go on.
+pub(super) struct Draft<'d> {
+    /// What has been read.
+    pub(super) scene: Scene,
+    /// The table that each part of the scene came from.
+    pub(super) places: HashMap<Place, Table<'d>>,
+    /// What a person should know.
+    pub(super) notes: Vec<String>,
+    /// Materials by name.
+    pub(super) materials: HashMap<&'d str, MaterialId>,
+    /// Mesh files that have been read, by file and crease angle.
+    pub(super) mesh_files: HashMap<(PathBuf, Option<u32>), Rc<MeshFile>>,
+    /// The matte grey for faces without a material, once one needed it.
+    grey: Option<MaterialId>,
+    /// Where files are looked for.
+    pub(super) files: Files<'d>,
+    /// What may be read in all.
+    limits: Limits,
+    /// What may still be read.
+    pub(super) left: Limits,
+}
+
+/// What a mesh file brought into the scene.
+pub(super) struct MeshFile {
+    /// Its parts, each with the material that the file gives it.
+    pub(super) parts: Vec<(MeshId, Option<MaterialId>)>,
+    /// The box around all of it.
+    pub(super) bounds: Aabb,
+    /// What has no material, for people; `None` where everything has one or nothing has.
+    pub(super) without_material: Option<String>,
+}
+
+impl<'d> Draft<'d> {
+    pub(super) fn new(file: &Path, options: &'d ReadOptions<'d>) -> Self {
+        Self {
+            scene: bare::empty(),
+            places: HashMap::new(),
+            notes: Vec::new(),
+            materials: HashMap::new(),
+            mesh_files: HashMap::new(),
+            grey: None,
+            files: Files::beside(file, options),
+            limits: options.limits,
+            left: options.limits,
+        }
+    }
+
+    /// Adds a material that `table` is to answer for.
+    pub(super) fn add_material(&mut self, table: &Table<'d>, material: Material) -> MaterialId {
+        self.places.insert(Place::Material(self.scene.materials.len()), *table);
+        self.scene.add_material(material)
+    }
+
+    /// Adds a mesh that `table` is to answer for, unless there are too many triangles by now.
+    pub(super) fn add_mesh(
+        &mut self,
+        table: &Table<'d>,
+        mesh: Mesh,
+    ) -> Result<MeshId, SceneErrorKind> {
+        let (left, limits) = (&mut self.left, &self.limits);
+        let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
+        spend("vertices", &mut left.vertices, vertices, limits.vertices)?;
+        spend("triangles", &mut left.triangles, triangles, limits.triangles)?;
+        self.places.insert(Place::Mesh(self.scene.meshes.len()), *table);
+        Ok(self.scene.add_mesh(mesh))
+    }
+
+    /// Adds an object that `table` is to answer for, unless there are too many by now.
+    pub(super) fn add_object(
+        &mut self,
+        table: &Table<'d>,
+        object: Object,
+    ) -> Result<(), SceneError> {
+        spend("objects", &mut self.left.objects, 1, self.limits.objects)
+            .map_err(|kind| table.error(kind))?;
+        self.places.insert(Place::Object(self.scene.objects.len()), *table);
+        self.scene.objects.push(object);
+        Ok(())
+    }
+
+    /// The matte grey that stands in where there is no material.
+    pub(super) fn grey(&mut self) -> MaterialId {
+        *self.grey.get_or_insert_with(|| self.scene.add_material(bare::grey()))
+    }
+
+    /// A problem of the finished scene, at the place in the text that it came from.
+    pub(super) fn locate(&self, root: &Table<'d>, problem: &SceneProblem) -> SceneError {
+        let Some(table) = self.places.get(&problem.place) else {
+            return root.invalid(problem.to_string());
+        };
+        let (at, own) = table.place_of(problem.key);
+        // What came from a file is not to be seen in the text: say what part of it is meant.
+        let part = match problem.place {
+            Place::Material(i) => self.scene.materials.get(i).map(|m| ("material", &m.name)),
+            Place::Mesh(i) => self.scene.meshes.get(i).map(|m| ("mesh", &m.name)),
+            Place::Settings
+            | Place::Camera
+            | Place::Environment
+            | Place::Object(_)
+            | Place::Light(_) => None,
+        };
+        let what = &problem.what;
+        table.invalid_at(
+            at,
+            match part {
+                Some((kind, name)) if !own => format!("{kind} \"{}\": {what}", shown(name)),
+                Some(_) | None => what.clone(),
+            },
+        )
+    }
+}
+
+/// Takes `asked` from what is `left` of what is `allowed`.
+fn spend(
+    what: &'static str,
+    left: &mut u64,
+    asked: u64,
+    allowed: u64,
+) -> Result<(), SceneErrorKind> {
+    match left.checked_sub(asked) {
+        Some(rest) => {
+            *left = rest;
+            Ok(())
+        }
+        None => {
+            let asked = (allowed - *left).saturating_add(asked);
+            Err(SceneErrorKind::Limit { what, asked, allowed })
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! `[environment]`: the sky.
+
+use super::draft::Draft;
+use super::{Table, Value, keys};
+use crate::{SceneError, image};
+use rutilant::light::{Environment, EnvironmentLight};
+use rutilant::scene::Place;
+use std::path::Path;
+
+pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
+    table.only(&[keys::ENVIRONMENT])?;
+    let light = match table.either(["image", "color"])? {
+        "image" => {
+            let image = table.must("image", |value| read_image(value, draft))?;
+            EnvironmentLight::Image(draft.scene.add_image(image))
+        }
+        _ => EnvironmentLight::Constant(table.must("color", Value::color)?),
+    };
+    draft.scene.environment = Some(Environment {
+        light,
+        scale: table.or("scale", Value::number, 1.0)?,
+        rotation: table.or("rotation_degrees", Value::number, 0.0)?.to_radians(),
+    });
+    draft.places.insert(Place::Environment, *table);
+    Ok(())
+}
+
+fn read_image(value: &Value<'_>, draft: &Draft<'_>) -> Result<rutilant::image::Image, SceneError> {
+    let name = value.text()?;
+    let image = match draft.files.embedded(name) {
+        Some(bytes) => image::read_bytes(bytes, Path::new(name), &draft.left),
+        None => {
+            let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
+            image::read(&found.path, &draft.left)
+        }
+    };
+    image.map_err(|error| value.invalid(error.to_string()))
+}

@@ -1,0 +1,134 @@
+//! Every key of the format, by the table it belongs to.
+//!
+//! docs/scene-format.md explains each; a test below sees to that.
+
+pub(super) const ROOT: &[&str] =
+    &["version", "render", "camera", "environment", "material", "shape", "light"];
+
+pub(super) const RENDER: &[&str] = &[
+    "size",
+    "crop",
+    "spp",
+    "max_depth",
+    "integrator",
+    "sampler",
+    "seed",
+    "filter",
+    "filter_radius",
+    "filter_sigma",
+    "filter_bc",
+    "strategy",
+    "heuristic",
+    "roulette",
+    "light_selection",
+    "exposure",
+    "curve",
+];
+
+pub(super) const CAMERA: &[&str] = &[
+    "position",
+    "look_at",
+    "up",
+    "fov_degrees",
+    "aperture_radius",
+    "f_number",
+    "focus_distance",
+    "focus_at",
+];
+
+pub(super) const ENVIRONMENT: &[&str] = &["image", "color", "scale", "rotation_degrees"];
+
+pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
+pub(super) const EMISSION: &[&str] = &["radiance", "power", "two_sided"];
+pub(super) const SCATTERING: &[&str] = &["emission"];
+pub(super) const MATTE: &[&str] = &["albedo"];
+pub(super) const MIRROR: &[&str] = &["reflectance"];
+pub(super) const CONDUCTOR: &[&str] = &["eta", "k"];
+pub(super) const DIELECTRIC: &[&str] =
+    &["ior", "exterior_ior", "sigma_a", "absorption_color", "absorption_distance", "fresnel"];
+pub(super) const MIX: &[&str] = &["first", "second", "amount"];
+
+pub(super) const ANY_SHAPE: &[&str] =
+    &["type", "material", "translate", "rotate_degrees", "rotate", "scale", "matrix"];
+pub(super) const CENTERED: &[&str] = &["center"];
+pub(super) const ROUND: &[&str] = &["radius"];
+pub(super) const SIZED: &[&str] = &["size"];
+pub(super) const MESH: &[&str] =
+    &["file", "positions", "triangles", "normals", "uvs", "smooth_degrees", "fit"];
+pub(super) const FIT: &[&str] = &["size", "axis", "on_floor", "center"];
+pub(super) const ROTATE: &[&str] = &["axis", "degrees"];
+
+pub(super) const ANY_LIGHT: &[&str] = &["type"];
+pub(super) const POINT: &[&str] = &["position", "intensity"];
+pub(super) const DIRECTIONAL: &[&str] = &["direction", "irradiance"];
+
+/// Which table has which keys.
+const PLACES: &[(&str, &[&str])] = &[
+    ("the scene itself, above all tables", ROOT),
+    ("[render]", RENDER),
+    ("[camera]", CAMERA),
+    ("[environment]", ENVIRONMENT),
+    ("[[material]]", ANY_MATERIAL),
+    ("an emissive material or emission", EMISSION),
+    ("a material that scatters", SCATTERING),
+    ("a matte material", MATTE),
+    ("a mirror", MIRROR),
+    ("a conductor", CONDUCTOR),
+    ("a dielectric", DIELECTRIC),
+    ("a mix", MIX),
+    ("[[shape]]", ANY_SHAPE),
+    ("a sphere or disk", ROUND),
+    ("a rectangle or box", SIZED),
+    ("a sphere, rectangle, disk or box", CENTERED),
+    ("a mesh", MESH),
+    ("fit", FIT),
+    ("rotate", ROTATE),
+    ("[[light]]", ANY_LIGHT),
+    ("a point light", POINT),
+    ("a directional light", DIRECTIONAL),
+];
+
+/// The tables that have the key `name`, for people, if there are any.
+pub(super) fn where_it_belongs(name: &str) -> Option<String> {
+    let places = PLACES.iter().filter(|(_, keys)| keys.contains(&name)).map(|(place, _)| *place);
+    let places: Vec<_> = places.collect();
+    (!places.is_empty()).then(|| places.join(" or "))
+}
+
+/// What to write where a key is missing that has only one good value.
+pub(super) fn hint(key: &str) -> &'static str {
+    match key {
+        "version" => ": begin it with \"version = 1\"",
+        _ => "",
+    }
+}
+
+/// Whether any table has the key `name`.
+pub(super) fn is_known(name: &str) -> bool {
+    PLACES.iter().any(|(_, keys)| keys.contains(&name))
+}
+
+/// Properties that an author may give by other keys: a problem with the one is shown at the
+/// first of the others. What comes from a file is shown at the file's name.
+pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
+    ("transform", &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit"]),
+    ("aperture_radius", &["f_number"]),
+    ("focus_distance", &["focus_at", "look_at"]),
+    ("*", &["file"]),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Documentation that forgets a key is wrong.
+    #[test]
+    fn every_key_is_documented() {
+        let docs = include_str!("../../../../../docs/scene-format.md");
+        for (place, keys) in PLACES {
+            for key in *keys {
+                assert!(docs.contains(&format!("`{key}`")), "`{key}` of {place}");
+            }
+        }
+    }
+}

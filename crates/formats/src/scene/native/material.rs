@@ -1,0 +1,175 @@
+//! `[[material]]`: how surfaces look.
+
+use super::draft::Draft;
+use super::{Table, Value, keys};
+use crate::SceneError;
+use crate::scene::nearest::shown;
+use rutilant::bsdf::Fresnel;
+use rutilant::color::Rgb;
+use rutilant::material::{
+    Absorption, Conductor, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte,
+    Medium, Mirror, Mix,
+};
+use rutilant::scene::MaterialId;
+use std::collections::HashMap;
+
+#[derive(Clone, Copy)]
+enum Type {
+    Black,
+    Matte,
+    Mirror,
+    Conductor,
+    Dielectric,
+    Mix,
+    Emissive,
+}
+
+const TYPES: &[(&str, Type)] = &[
+    ("matte", Type::Matte),
+    ("mirror", Type::Mirror),
+    ("conductor", Type::Conductor),
+    ("dielectric", Type::Dielectric),
+    ("mix", Type::Mix),
+    ("emissive", Type::Emissive),
+    ("black", Type::Black),
+];
+
+const FRESNELS: &[(&str, Fresnel)] = &[("exact", Fresnel::Exact), ("schlick", Fresnel::Schlick)];
+
+/// Index of refraction of window glass, near enough.
+const GLASS: f32 = 1.5;
+
+/// Reads all materials. A mix may name materials that come after it, so names are read first.
+pub(super) fn read_all<'d>(tables: &[Table<'d>], draft: &mut Draft<'d>) -> Result<(), SceneError> {
+    for (table, id) in tables.iter().zip(0..) {
+        table.must("name", |value| {
+            let name = value.text()?;
+            match draft.materials.insert(name, MaterialId(id)) {
+                None => Ok(()),
+                Some(_) => {
+                    let what =
+                        format!("there is another material \"{}\"; names must differ", shown(name));
+                    Err(value.invalid(what))
+                }
+            }
+        })?;
+    }
+    for table in tables {
+        let material = read(table, &draft.materials)?.named(table.must("name", Value::text)?);
+        draft.add_material(table, material);
+    }
+    note_lost_emission(draft);
+    Ok(())
+}
+
+type Names<'d> = HashMap<&'d str, MaterialId>;
+
+/// The material that a value names.
+pub(super) fn named(value: &Value<'_>, names: &Names<'_>) -> Result<MaterialId, SceneError> {
+    let name = value.text()?;
+    names.get(name).copied().ok_or_else(|| {
+        let mut known: Vec<&str> = names.keys().copied().collect();
+        known.sort_unstable();
+        value.unknown("material", name, known)
+    })
+}
+
+fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
+    let allow = |table: &Table<'_>, keys| table.only(&[keys::ANY_MATERIAL, keys::SCATTERING, keys]);
+    let kind = match table.must("type", |v| v.one_of("material type", TYPES))? {
+        Type::Emissive => {
+            let table = table.named("an emissive material");
+            table.only(&[keys::ANY_MATERIAL, keys::EMISSION])?;
+            return emission(&table).map(Material::from);
+        }
+        Type::Black => {
+            allow(&table.named("a black material"), &[])?;
+            MaterialKind::Black
+        }
+        Type::Matte => {
+            allow(&table.named("a matte material"), keys::MATTE)?;
+            MaterialKind::Matte(Matte { albedo: table.or("albedo", Value::color, Rgb::grey(0.5))? })
+        }
+        Type::Mirror => {
+            allow(&table.named("a mirror"), keys::MIRROR)?;
+            let reflectance = table.or("reflectance", Value::color, Rgb::WHITE)?;
+            MaterialKind::Mirror(Mirror { reflectance })
+        }
+        Type::Conductor => {
+            let table = table.named("a conductor");
+            allow(&table, keys::CONDUCTOR)?;
+            let (eta, k) = (table.must("eta", Value::color)?, table.must("k", Value::color)?);
+            MaterialKind::Conductor(Conductor { eta, k })
+        }
+        Type::Dielectric => {
+            let table = table.named("a dielectric");
+            allow(&table, keys::DIELECTRIC)?;
+            MaterialKind::Dielectric(dielectric(&table)?)
+        }
+        Type::Mix => {
+            let table = table.named("a mix");
+            allow(&table, keys::MIX)?;
+            MaterialKind::Mix(Mix {
+                first: table.must("first", |v| named(v, names))?,
+                second: table.must("second", |v| named(v, names))?,
+                amount: table.or("amount", Value::number, 0.5)?,
+            })
+        }
+    };
+    let emission = table.maybe("emission", |value| {
+        let table = value.table("emission")?;
+        table.only(&[keys::EMISSION])?;
+        emission(&table)
+    })?;
+    Ok(Material { emission, ..Material::new(kind) })
+}
+
+fn emission(table: &Table<'_>) -> Result<Emission, SceneError> {
+    let light = match table.either(["radiance", "power"])? {
+        "radiance" => EmittedLight::Radiance(table.must("radiance", Value::color)?),
+        _ => EmittedLight::Power(table.must("power", Value::color)?),
+    };
+    Ok(Emission { light, two_sided: table.or("two_sided", Value::flag, false)? })
+}
+
+fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
+    let medium = |ior, absorption| Medium { ior, absorption };
+    Ok(Dielectric {
+        interior: medium(table.or("ior", Value::number, GLASS)?, absorption(table)?),
+        exterior: medium(
+            table.or("exterior_ior", Value::number, Medium::AIR.ior)?,
+            Absorption::None,
+        ),
+        fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
+    })
+}
+
+fn absorption(table: &Table<'_>) -> Result<Absorption, SceneError> {
+    match table.at_most_one(&["sigma_a", "absorption_color"])? {
+        Some("sigma_a") => table.must("sigma_a", Value::color).map(Absorption::Coefficient),
+        Some(_) => Ok(Absorption::ColorAtDistance {
+            color: table.must("absorption_color", Value::color)?,
+            distance: table.or("absorption_distance", Value::number, 1.0)?,
+        }),
+        None => match table.get("absorption_distance") {
+            None => Ok(Absorption::None),
+            Some(value) => Err(value.invalid("absorption_distance needs an absorption_color")),
+        },
+    }
+}
+
+/// A mix scatters as its parts do, but does not glow as they do.
+fn note_lost_emission(draft: &mut Draft<'_>) {
+    let materials = &draft.scene.materials;
+    for material in materials {
+        let MaterialKind::Mix(mix) = &material.kind else { continue };
+        for part in [mix.first, mix.second].iter().filter_map(|id| materials.get(id.0 as usize)) {
+            if part.emission.is_some() {
+                let (mix, part) = (shown(&material.name), shown(&part.name));
+                draft.notes.push(format!(
+                    "material \"{mix}\" does not glow as its part \"{part}\" does: give it an emission of its own"
+                ));
+            }
+        }
+    }
+}

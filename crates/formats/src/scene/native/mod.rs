@@ -1,0 +1,138 @@
+//! The native scene format: TOML, written by people. See docs/scene-format.md.
+//!
+//! The text becomes a tree of tables in which every value knows its place.
+//! Each section below maps one kind of table to the authored scene. What the
+//! numbers may be is decided by the scene's and the settings' own `validate`
+//! alone: a problem they find is traced back to the key it came from.
+
+mod camera;
+mod document;
+mod draft;
+mod environment;
+mod keys;
+mod light;
+mod material;
+mod placing;
+mod render;
+mod shape;
+mod srgb;
+mod table;
+
+use super::LoadedScene;
+use super::framing::frame_all;
+use crate::{ReadOptions, SceneError, SceneErrorKind, Source};
+use document::Document;
+use draft::Draft;
+use rutilant::scene::Place;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::thread;
+use table::{Table, Value};
+
+/// Reads a scene from a `.toml` file.
+pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
+    let refuse = |kind| SceneError { at: Source::file(path), kind };
+    // The limit was checked on the file's size, but a file can grow.
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(options.limits.file_bytes).read_to_end(&mut bytes))
+        .map_err(|error| refuse(SceneErrorKind::Io(error)))?;
+    match std::str::from_utf8(&bytes) {
+        Ok(text) => parse(text, path, options),
+        Err(error) => {
+            let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
+            let what = "the text is not UTF-8 here; save the file as UTF-8";
+            Err(Document::new(&good, path).invalid(good.len(), what))
+        }
+    }
+}
+
+/// Stack for taking apart the deepest tree that gets through the TOML parser's limits: 80 tables
+/// in each other, each behind a key of 80 parts, at some 250 bytes for each level.
+const STACK: usize = 16 << 20;
+
+/// Reads a scene from text that stands, or would stand, in `file`.
+///
+/// Trees are taken apart by recursion, inside the TOML parser as well. This happens on a thread
+/// with room for it, so that no caller's stack can be too small.
+pub(crate) fn parse(
+    text: &str,
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<LoadedScene, SceneError> {
+    thread::scope(|scope| {
+        thread::Builder::new()
+            .stack_size(STACK)
+            .spawn_scoped(scope, || parse_here(text, file, options))
+            .map_err(|error| SceneError {
+                at: Source::file(file),
+                kind: SceneErrorKind::Io(error),
+            })?
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+fn parse_here(
+    text: &str,
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<LoadedScene, SceneError> {
+    let document = Document::new(text, file);
+    let tree = document.parse()?;
+    let root = Table::root(&document, tree.get_ref());
+    check_version(&root)?;
+    root.only(&[keys::ROOT])?;
+
+    let mut draft = Draft::new(file, options);
+
+    // How to render, and who sees it: checked first, because files can take long to read.
+    let render = root.maybe("render", |v| v.table("[render]"))?;
+    let (settings, display) =
+        render.as_ref().map_or_else(|| Ok(Default::default()), render::read)?;
+    draft.places.extend(render.map(|table| (Place::Settings, table)));
+    settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
+    let camera = root.maybe("camera", |v| v.table("[camera]"))?;
+    if let Some(table) = camera {
+        draft.scene.camera = camera::read(&table)?.into();
+        draft.places.insert(Place::Camera, table);
+    }
+
+    // What there is. Materials come before the shapes that name them.
+    let materials = root.or("material", |v| v.tables("[[material]]"), Vec::new())?;
+    material::read_all(&materials, &mut draft)?;
+    for table in root.or("light", |v| v.tables("[[light]]"), Vec::new())? {
+        light::read(&table, &mut draft)?;
+    }
+    if let Some(table) = root.maybe("environment", |v| v.table("[environment]"))? {
+        environment::read(&table, &mut draft)?;
+    }
+    for table in root.or("shape", |v| v.tables("[[shape]]"), Vec::new())? {
+        shape::read(&table, &mut draft)?;
+    }
+    if camera.is_none() {
+        let chosen = frame_all(&draft.scene, settings.size).ok_or_else(|| {
+            root.invalid("there is no [camera], and no shape that one could be turned to")
+        })?;
+        draft.scene.camera = chosen.into();
+        draft.notes.push("there is no [camera]: one was chosen that sees all shapes".to_owned());
+    }
+
+    // Whether all of it makes sense.
+    draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
+    Ok(LoadedScene { scene: draft.scene, settings, display, notes: draft.notes })
+}
+
+/// The version of the format that is read here.
+const VERSION: u32 = 1;
+
+fn check_version(root: &Table<'_>) -> Result<(), SceneError> {
+    root.must("version", |value| match value.whole()? {
+        VERSION => Ok(()),
+        other => {
+            let what = format!("version {other} of the scene format is not known; {VERSION} is");
+            Err(value.error(SceneErrorKind::Unsupported(what)))
+        }
+    })
+}

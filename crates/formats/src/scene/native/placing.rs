@@ -1,0 +1,116 @@
+//! Where a shape stands: the keys that move, turn and scale it.
+
+use super::camera::direction;
+use super::{Table, Value, keys};
+use crate::SceneError;
+use rutilant_geom::{Aabb, Mat3, Transform, Vec3};
+
+/// Where a shape stands: scaled, then turned, then moved; or by a matrix.
+pub(super) fn transform(table: &Table<'_>) -> Result<Transform, SceneError> {
+    for key in ["scale", "rotate", "rotate_degrees", "translate", "center"] {
+        table.at_most_one(&["matrix", key])?;
+    }
+    if let Some(matrix) = table.maybe("matrix", matrix)? {
+        return Ok(matrix);
+    }
+    let scale = table.or("scale", scale, Vec3::ONE)?;
+    let rotation = match table.at_most_one(&["rotate", "rotate_degrees"])? {
+        None => Transform::IDENTITY,
+        Some("rotate") => table.must("rotate", around_axis)?,
+        Some(_) => about_axes(table.must("rotate_degrees", Value::triple)?),
+    };
+    let translation = match table.at_most_one(&["translate", "center"])? {
+        None => Vec3::ZERO,
+        Some(key) => table.must(key, Value::triple)?,
+    };
+    Ok(Transform::translate(translation) * rotation * Transform::scale(scale))
+}
+
+fn scale(value: &Value<'_>) -> Result<Vec3, SceneError> {
+    if value.is_number() {
+        value.number().map(Vec3::splat)
+    } else {
+        value.numbers("a number, or three [x, y, z]").map(Vec3::from_array)
+    }
+}
+
+/// About the world's x axis first, then its y axis, then its z axis.
+fn about_axes(degrees: Vec3) -> Transform {
+    let turn = |axis, degrees: f32| Transform::rotate(axis, degrees.to_radians());
+    turn(Vec3::Z, degrees.z) * turn(Vec3::Y, degrees.y) * turn(Vec3::X, degrees.x)
+}
+
+fn around_axis(value: &Value<'_>) -> Result<Transform, SceneError> {
+    let table = value.table("rotate")?;
+    table.only(&[keys::ROTATE])?;
+    let axis = table.must("axis", direction)?;
+    let degrees = table.must("degrees", Value::number)?;
+    Ok(Transform::rotate(axis, degrees.to_radians()))
+}
+
+fn matrix(value: &Value<'_>) -> Result<Transform, SceneError> {
+    const EXPECTED: &str = "3 or 4 rows of 4 numbers, or those 12 or 16 numbers in one array";
+    let mut numbers = Vec::with_capacity(16);
+    let entries = value.entries(EXPECTED)?;
+    if entries.len() > 16 {
+        return Err(value.must_be(EXPECTED));
+    }
+    for entry in entries {
+        if entry.is_array() {
+            numbers.extend(entry.numbers::<4>("rows of 4 numbers")?);
+        } else {
+            numbers.extend([entry.number()?]);
+        }
+    }
+    let (rows, rest) = numbers.as_chunks::<4>();
+    match *rows {
+        [_, _, _] | [_, _, _, [0.0, 0.0, 0.0, 1.0]] if rest.is_empty() => {}
+        [_, _, _, _] => return Err(value.invalid("the last row of matrix must be 0, 0, 0, 1")),
+        _ => return Err(value.must_be(EXPECTED)),
+    }
+    let column = |i: usize| Vec3::new(rows[0][i], rows[1][i], rows[2][i]);
+    Ok(Transform::new(Mat3::from_cols(column(0), column(1), column(2)), column(3)))
+}
+
+#[derive(Clone, Copy)]
+enum Extent {
+    Longest,
+    X,
+    Y,
+    Z,
+}
+
+const AXES: &[(&str, Extent)] =
+    &[("longest", Extent::Longest), ("x", Extent::X), ("y", Extent::Y), ("z", Extent::Z)];
+
+/// Brings a mesh of any size, anywhere, to a given size at a given place.
+pub(super) fn fit(value: &Value<'_>, bounds: Aabb) -> Result<Transform, SceneError> {
+    let table = value.table("fit")?;
+    table.only(&[keys::FIT])?;
+    if bounds.is_empty() {
+        return Err(value.invalid("the mesh has no point that could be fitted"));
+    }
+    let extent = bounds.extent();
+    let now = match table.or("axis", |v| v.one_of("axis", AXES), Extent::Longest)? {
+        Extent::Longest => extent.max_element(),
+        Extent::X => extent.x,
+        Extent::Y => extent.y,
+        Extent::Z => extent.z,
+    };
+    let factor = match table.maybe("size", Value::positive)? {
+        None => 1.0,
+        Some(size) if now > 0.0 => size / now,
+        Some(_) => return Err(value.invalid("the mesh is flat along that axis; name another")),
+    };
+    let middle = bounds.center();
+    let (from, to) = match table.at_most_one(&["on_floor", "center"])? {
+        Some("center") => (middle, table.must("center", Value::triple)?),
+        _ => (
+            Vec3::new(middle.x, bounds.min.y, middle.z),
+            Vec3::Y * table.or("on_floor", Value::number, 0.0)?,
+        ),
+    };
+    Ok(Transform::translate(to)
+        * Transform::scale(Vec3::splat(factor))
+        * Transform::translate(-from))
+}

@@ -1,0 +1,101 @@
+//! `[render]`: how to make the picture.
+
+use super::{Table, Value, keys};
+use crate::SceneError;
+use rutilant::display::{Curve, Display};
+use rutilant::film::Filter;
+use rutilant::settings::{
+    Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
+};
+
+const INTEGRATORS: &[(&str, IntegratorKind)] = &[
+    ("path", IntegratorKind::Path),
+    ("naive", IntegratorKind::Naive),
+    ("direct", IntegratorKind::Direct),
+    ("ao", IntegratorKind::AmbientOcclusion),
+    ("normals", IntegratorKind::Normals),
+    ("albedo", IntegratorKind::Albedo),
+    ("depth", IntegratorKind::Depth),
+];
+const SAMPLERS: &[(&str, SamplerKind)] =
+    &[("sobol", SamplerKind::Sobol), ("independent", SamplerKind::Independent)];
+const STRATEGIES: &[(&str, Strategy)] =
+    &[("both", Strategy::Both), ("light", Strategy::LightOnly), ("bsdf", Strategy::BsdfOnly)];
+const HEURISTICS: &[(&str, Heuristic)] =
+    &[("power", Heuristic::Power), ("balance", Heuristic::Balance)];
+const ROULETTES: &[(&str, Roulette)] =
+    &[("throughput", Roulette::Throughput), ("albedo", Roulette::Albedo), ("off", Roulette::Off)];
+const LIGHT_SELECTIONS: &[(&str, LightSelection)] =
+    &[("power", LightSelection::Power), ("uniform", LightSelection::Uniform)];
+const CURVES: &[(&str, Curve)] = &[("clip", Curve::Clip), ("filmic", Curve::Filmic)];
+/// Each with its usual width.
+const FILTERS: &[(&str, Filter)] = &[
+    ("box", Filter::Box { radius: 0.5 }),
+    ("tent", Filter::Tent { radius: 1.0 }),
+    ("gaussian", Filter::Gaussian { radius: 1.5, sigma: 0.5 }),
+    ("mitchell", Filter::Mitchell { radius: 2.0, b: 1.0 / 3.0, c: 1.0 / 3.0 }),
+    ("blackman-harris", Filter::BlackmanHarris { radius: 1.5 }),
+];
+
+pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError> {
+    table.only(&[keys::RENDER])?;
+    let usual = Settings::default();
+    let settings = Settings {
+        size: table.or("size", |v| v.wholes("two whole numbers [width, height]"), usual.size)?,
+        crop: table.maybe("crop", crop)?,
+        spp: table.or("spp", Value::whole, usual.spp)?,
+        max_depth: table.maybe("max_depth", Value::whole)?,
+        integrator: table.or(
+            "integrator",
+            |v| v.one_of("integrator", INTEGRATORS),
+            usual.integrator,
+        )?,
+        sampler: table.or("sampler", |v| v.one_of("sampler", SAMPLERS), usual.sampler)?,
+        seed: table.or("seed", Value::whole, usual.seed)?,
+        filter: filter(table)?,
+        strategy: table.or("strategy", |v| v.one_of("strategy", STRATEGIES), usual.strategy)?,
+        heuristic: table.or("heuristic", |v| v.one_of("heuristic", HEURISTICS), usual.heuristic)?,
+        roulette: table.or("roulette", |v| v.one_of("roulette", ROULETTES), usual.roulette)?,
+        light_selection: table.or(
+            "light_selection",
+            |v| v.one_of("light selection", LIGHT_SELECTIONS),
+            usual.light_selection,
+        )?,
+    };
+    let display = Display {
+        exposure: table.or("exposure", Value::number, 0.0)?,
+        curve: table.or("curve", |v| v.one_of("curve", CURVES), Curve::default())?,
+    };
+    Ok((settings, display))
+}
+
+fn crop(value: &Value<'_>) -> Result<Crop, SceneError> {
+    let [x, y, width, height] = value.wholes("four whole numbers [x, y, width, height]")?;
+    Ok(Crop { x, y, width, height })
+}
+
+fn filter(table: &Table<'_>) -> Result<Filter, SceneError> {
+    let mut filter = table.or("filter", |v| v.one_of("filter", FILTERS), Filter::default())?;
+    if let Some(given) = table.maybe("filter_radius", Value::number)? {
+        match &mut filter {
+            Filter::Box { radius }
+            | Filter::Tent { radius }
+            | Filter::Gaussian { radius, .. }
+            | Filter::Mitchell { radius, .. }
+            | Filter::BlackmanHarris { radius } => *radius = given,
+        }
+    }
+    if let Some(value) = table.get("filter_sigma") {
+        let Filter::Gaussian { sigma, .. } = &mut filter else {
+            return Err(value.invalid("filter_sigma is for filter = \"gaussian\" only"));
+        };
+        *sigma = value.number()?;
+    }
+    if let Some(value) = table.get("filter_bc") {
+        let Filter::Mitchell { b, c, .. } = &mut filter else {
+            return Err(value.invalid("filter_bc is for filter = \"mitchell\" only"));
+        };
+        [*b, *c] = value.numbers("two numbers [B, C]")?;
+    }
+    Ok(filter)
+}

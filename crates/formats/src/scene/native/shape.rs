@@ -1,0 +1,202 @@
+//! `[[shape]]`: what stands in the scene.
+
+use super::draft::{Draft, MeshFile};
+use super::{Table, Value, keys, material, placing};
+use crate::SceneError;
+use crate::scene::framing::bounds_of;
+use crate::scene::mesh_file;
+use crate::scene::obj::ObjScene;
+use rutilant::scene::Place;
+use rutilant::shape::{Mesh, Object, Shape};
+use rutilant_geom::{Aabb, Transform};
+use std::rc::Rc;
+
+#[derive(Clone, Copy)]
+enum Type {
+    Mesh,
+    Sphere,
+    Rectangle,
+    Disk,
+    Box,
+}
+
+const TYPES: &[(&str, Type)] = &[
+    ("mesh", Type::Mesh),
+    ("sphere", Type::Sphere),
+    ("rectangle", Type::Rectangle),
+    ("disk", Type::Disk),
+    ("box", Type::Box),
+];
+
+pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
+    let allow = |table: &Table<'d>, keys| table.only(&[keys::ANY_SHAPE, keys::CENTERED, keys]);
+    let (table, shape) = match table.must("type", |v| v.one_of("shape type", TYPES))? {
+        Type::Mesh => return read_mesh(&table.named("a mesh"), draft),
+        Type::Sphere => {
+            let table = table.named("a sphere");
+            allow(&table, keys::ROUND)?;
+            (table, Shape::Sphere { radius: table.must("radius", Value::number)? })
+        }
+        Type::Disk => {
+            let table = table.named("a disk");
+            allow(&table, keys::ROUND)?;
+            (table, Shape::Disk { radius: table.must("radius", Value::number)? })
+        }
+        Type::Rectangle => {
+            let table = table.named("a rectangle");
+            allow(&table, keys::SIZED)?;
+            (table, Shape::Rectangle { size: table.must("size", Value::pair)? })
+        }
+        Type::Box => {
+            let table = table.named("a box");
+            allow(&table, keys::SIZED)?;
+            (table, Shape::Box { size: table.must("size", Value::triple)? })
+        }
+    };
+    let material = table.must("material", |v| material::named(v, &draft.materials))?;
+    let world_from_object = placing::transform(&table)?;
+    draft.add_object(&table, Object { shape, material, world_from_object })
+}
+
+fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
+    table.only(&[keys::ANY_SHAPE, keys::MESH])?;
+    let given = table.maybe("material", |v| material::named(v, &draft.materials))?;
+    let mesh = match table.either(["file", "positions"])? {
+        "file" => table.must("file", |value| from_file(value, table, draft))?,
+        _ => Rc::new(inline(table, draft)?),
+    };
+
+    // The file's own materials are used; where it has none, the one given here.
+    let backup = match &mesh.without_material {
+        None => given,
+        Some(without) => {
+            let stand_in = if given.is_some() { "the shape's own material" } else { "matte grey" };
+            draft.notes.push(format!("{without}: {stand_in} stands in"));
+            Some(given.unwrap_or_else(|| draft.grey()))
+        }
+    };
+
+    let fitted = table.maybe("fit", |value| placing::fit(value, mesh.bounds))?;
+    let world_from_object = placing::transform(table)? * fitted.unwrap_or(Transform::IDENTITY);
+    for &(mesh, own) in &mesh.parts {
+        let material = own.or(backup).ok_or_else(|| table.missing("material"))?;
+        let shape = Shape::Mesh(mesh);
+        draft.add_object(table, Object { shape, material, world_from_object })?;
+    }
+    Ok(())
+}
+
+/// A mesh written out in the scene itself.
+fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, SceneError> {
+    let points = |value: &Value<'_>| all(value, "points [[x, y, z], ..]", Value::triple);
+    let positions = table.must("positions", points)?;
+    let mesh = Mesh {
+        name: String::new(),
+        triangles: table.must("triangles", |value| triangles(value, positions.len()))?,
+        normals: table.or("normals", points, Vec::new())?,
+        uvs: table.or("uvs", |value| all(value, "pairs [[u, v], ..]", Value::pair), Vec::new())?,
+        positions,
+    };
+    let bounds = bounds_of(&mesh.positions);
+    let mesh = smoothed(mesh, crease(table)?, &mut draft.notes);
+    let id = draft.add_mesh(table, mesh).map_err(|kind| table.error(kind))?;
+    Ok(MeshFile { parts: vec![(id, None)], bounds, without_material: None })
+}
+
+fn triangles(value: &Value<'_>, vertices: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+    const EXPECTED: &str = "three vertex numbers each [[a, b, c], ..]";
+    all(value, EXPECTED, |entry| {
+        let triangle = entry.wholes(EXPECTED)?;
+        match triangle.iter().find(|v| **v as usize >= vertices) {
+            None => Ok(triangle),
+            Some(v) => Err(entry.invalid(format!(
+                "the triangle names vertex {v}, but there are only {vertices} (numbered from 0)"
+            ))),
+        }
+    })
+}
+
+/// What `read` makes of each entry of an array.
+fn all<'d, T>(
+    value: &Value<'d>,
+    expected: &str,
+    read: impl Fn(&Value<'d>) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
+    value.entries(expected)?.map(|entry| read(&entry)).collect()
+}
+
+/// The crease angle asked for, in radians.
+fn crease(table: &Table<'_>) -> Result<Option<f32>, SceneError> {
+    table.maybe("smooth_degrees", |value| {
+        let degrees = value.number()?;
+        if (0.0..=180.0).contains(&degrees) {
+            Ok(degrees.to_radians())
+        } else {
+            let what = format!("smooth_degrees is {degrees}, but must lie between 0 and 180");
+            Err(value.invalid(what))
+        }
+    })
+}
+
+/// The mesh with normals: its own, or smooth ones if they are asked for.
+fn smoothed(mesh: Mesh, crease: Option<f32>, notes: &mut Vec<String>) -> Mesh {
+    match crease {
+        Some(crease) if mesh.normals.is_empty() => mesh.smoothed(crease),
+        Some(_) => {
+            let note = "smooth_degrees changes nothing where a mesh has normals of its own";
+            if notes.last().is_none_or(|last| last != note) {
+                notes.push(note.to_owned());
+            }
+            mesh
+        }
+        None => mesh,
+    }
+}
+
+/// The mesh file that a value names, read once however often it is named.
+fn from_file<'d>(
+    value: &Value<'d>,
+    table: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<Rc<MeshFile>, SceneError> {
+    for key in ["triangles", "normals", "uvs"] {
+        table.at_most_one(&["file", key])?;
+    }
+    let found = draft.files.find(value.text()?).map_err(|what| value.invalid(what))?;
+    let crease = crease(table)?;
+    let key = (found.identity, crease.map(f32::to_bits));
+    if let Some(known) = draft.mesh_files.get(&key) {
+        return Ok(Rc::clone(known));
+    }
+    let file = mesh_file::read(&found.path, &draft.left)?;
+    let read = Rc::new(take_in(file, crease, value, table, draft)?);
+    draft.mesh_files.insert(key, Rc::clone(&read));
+    Ok(read)
+}
+
+/// Takes the contents of a mesh file into the scene.
+fn take_in<'d>(
+    file: ObjScene,
+    crease: Option<f32>,
+    value: &Value<'d>,
+    table: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<MeshFile, SceneError> {
+    let first = draft.scene.materials.len();
+    let materials = mesh_file::adopt(&mut draft.scene, file.materials);
+    for i in first..draft.scene.materials.len() {
+        draft.places.insert(Place::Material(i), *table);
+    }
+    draft.notes.extend(file.notes);
+    let without_material = mesh_file::without_material(&file.meshes, &materials);
+
+    let mut bounds = Aabb::EMPTY;
+    let mut parts = Vec::with_capacity(file.meshes.len());
+    for (mesh, name) in file.meshes {
+        bounds = bounds.union(bounds_of(&mesh.positions));
+        let mesh = smoothed(mesh, crease, &mut draft.notes);
+        let id = draft.add_mesh(table, mesh).map_err(|kind| value.error(kind))?;
+        parts.push((id, name.and_then(|name| materials.get(&name).copied())));
+    }
+    Ok(MeshFile { parts, bounds, without_material })
+}

@@ -1,0 +1,338 @@
+//! Every mistake gets one sentence that leads to its place.
+
+use crate::{HEAD, parse};
+
+/// A scene's text after [`HEAD`], and what is said about it.
+const MISTAKES: &[(&str, &str)] = &[
+    // Syntax.
+    ("[render", "8:8: unclosed table, expected `]`"),
+    (
+        "[[material]]\nname = \"a\"\ntype = matte",
+        "10:8: string values must be quoted, expected literal string",
+    ),
+    (
+        "[[shape]]\nfile = \"meshes\\dragon.obj\"",
+        r#"9:16: missing escaped value, expected `b`, `e`, `f`, `n`, `r`, `\`, `"`, `x`, `u`, `U`; in paths write / instead of \"#,
+    ),
+    ("[render]\nspp = 1\nspp = 2", "10:1: duplicate key"),
+    ("[render]\nspp = 1\n[render]", "10:2: duplicate key"),
+    ("[render]\nspp = 00", "9:7: unexpected leading zero"),
+    ("[render]\nsize = [1, 2", "9:13: unclosed array, expected `]`"),
+    ("\0", "8:2: key with no value, expected `=`"),
+    // Keys.
+    ("[render]\nssp = 4", r#"9:1: no key "ssp"; did you mean "spp"?"#),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nrougness = 1",
+        r#"11:1: no key "rougness" in a matte material; there are name, type, emission, albedo"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbdo = 1",
+        r#"11:1: no key "albdo"; did you mean "albedo"?"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nior = 1.5",
+        r#"11:1: no key "ior" in a matte material, only in a dielectric"#,
+    ),
+    ("[[material]]\nnme = \"a\"\ntype = \"matte\"", r#"9:1: no key "nme"; did you mean "name"?"#),
+    ("[[material]]\nname = \"a\"\n", r#"8:1: [[material]] needs "type""#),
+    (
+        "[render]\nposition = [0, 0, 1]\nspp = 2",
+        r#"9:1: no key "position" in [render], only in [camera] or a point light"#,
+    ),
+    (
+        "[render]\nversion = 1",
+        r#"9:1: no key "version" in [render], only in the scene itself, above all tables"#,
+    ),
+    (
+        "[sky]\ncolor = 1",
+        r#"8:2: no key "sky" in the scene; there are version, render, camera, environment, material, shape, light"#,
+    ),
+    ("[environmnt]\ncolor = 1", r#"8:2: no key "environmnt"; did you mean "environment"?"#),
+    (
+        "[render]\n\"a\\u0007\\nb\" = 1",
+        r#"9:1: no key "a\u{7}\nb" in [render]; there are size, crop, spp, max_depth, integrator, sampler, seed, filter, filter_radius, filter_sigma, filter_bc, strategy, heuristic, roulette, light_selection, exposure, curve"#,
+    ),
+    // Types.
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = true",
+        r##"11:10: albedo must be a color ([r, g, b], a number for grey, or "#rrggbb" in sRGB), not a boolean"##,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = \"red\"",
+        r##"11:10: albedo must be a color ([r, g, b], a number for grey, or "#rrggbb" in sRGB), not the text "red""##,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = [1, 1]",
+        r##"11:10: albedo must be a color ([r, g, b], a number for grey, or "#rrggbb" in sRGB), not an array with 2 entries"##,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = [1, \"1\", 1]",
+        r##"11:14: albedo must be a color ([r, g, b], a number for grey, or "#rrggbb" in sRGB), not the text "1""##,
+    ),
+    (
+        "[[material]]\nname = 5\ntype = \"matte\"",
+        "9:8: name must be a text in quotes, not the number 5",
+    ),
+    ("[render]\nspp = 64.0", "9:7: spp must be a whole number, 0 or more, not the number 64.0"),
+    ("[render]\nspp = -1", "9:7: spp must be a whole number, 0 or more, not the number -1"),
+    ("[render]\nmax_depth = 5000000000", "9:13: max_depth is too large"),
+    (
+        "[render]\nsize = 800",
+        "9:8: size must be two whole numbers [width, height], not the number 800",
+    ),
+    (
+        "[render]\nsize = [800, 600.5]",
+        "9:14: size must be two whole numbers [width, height], not the number 600.5",
+    ),
+    ("[render]\nexposure = 1979-05-27", "9:12: exposure must be a number, not a date"),
+    (
+        "[shape]\ntype = \"sphere\"",
+        "8:1: there can be several: write [[shape]] with double brackets",
+    ),
+    ("[[render]]\nspp = 1", "8:1: there is only one [render]: write it with single brackets"),
+    (
+        "[[environment]]\ncolor = 1",
+        "8:1: there is only one [environment]: write it with single brackets",
+    ),
+    // Names.
+    ("[render]\nintegrator = \"pth\"", r#"9:14: no integrator "pth"; did you mean "path"?"#),
+    (
+        "[render]\nintegrator = \"photon mapping\"",
+        r#"9:14: no integrator "photon mapping"; there are path, naive, direct, ao, normals, albedo, depth"#,
+    ),
+    ("[[light]]\ntype = \"pint\"", r#"9:8: no light type "pint"; did you mean "point"?"#),
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"gray\"",
+        r#"11:12: no material "gray"; did you mean "grey"?"#,
+    ),
+    ("[[shape]]\ntype = \"sphere\"\nradius = 1", r#"8:1: a sphere needs "material""#),
+    (
+        "[[material]]\nname = \"grey\"\ntype = \"black\"\n[[material]]\nname = \"grey\"\ntype = \"black\"",
+        r#"9:8: there is another material "grey"; names must differ"#,
+    ),
+    (
+        "[[material]]\nname = \"m\"\ntype = \"mix\"\nfirst = \"m\"\nsecond = \"m\"",
+        "11:9: first is itself a mix; mix plain materials instead",
+    ),
+    (
+        "[[material]]\nname = \"m\"\ntype = \"mix\"\nfirst = \"n\"\nsecond = \"o\"",
+        r#"11:9: no material "n"; there are grey, m"#,
+    ),
+    // Ranges.
+    ("[render]\nspp = 0", "9:7: spp is 0, but must be 1 or more"),
+    ("[render]\nsize = [0, 600]", "9:8: size is 0x600, but each side must lie between 1 and 65536"),
+    (
+        "[render]\nsize = [8, 6]\ncrop = [4, 0, 5, 1]",
+        "10:8: crop 4,0,5,1 must hold pixels and stay inside the 8x6 picture",
+    ),
+    ("[render]\nfilter_radius = 99", "9:17: filter_radius is 99, but must lie between 0.01 and 16"),
+    (
+        "[render]\nroulette = \"off\"",
+        r#"9:12: roulette "off" needs a max_depth, or paths would never end"#,
+    ),
+    (
+        "[render]\nfilter = \"box\"\nfilter_sigma = 1",
+        r#"10:16: filter_sigma is for filter = "gaussian" only"#,
+    ),
+    (
+        "[render]\nexposure = inf",
+        "9:12: exposure holds the number inf, but must be finite, at most 3.4028235e38",
+    ),
+    (
+        "[render]\nexposure = 1e999",
+        "9:12: exposure holds the number 1e999, but must be finite, at most 3.4028235e38",
+    ),
+    (
+        "[render]\nexposure = 1e39",
+        "9:12: exposure holds the number 1e39, but must be finite, at most 3.4028235e38",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = [0.5, 1.5, 0]",
+        "11:10: albedo is 1.5, but must lie between 0 and 1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = nan",
+        "11:10: albedo holds the number nan, but must be finite, at most 3.4028235e38",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nior = 0.9",
+        "11:7: ior is 0.9, but must lie between 1 and 10",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nabsorption_color = 0",
+        "11:20: absorption_color is 0, but must be more than 0, up to 1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nabsorption_distance = 1",
+        "11:23: absorption_distance needs an absorption_color",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nsigma_a = 1\nabsorption_color = 1",
+        "12:20: give sigma_a or absorption_color, not both",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"black\"\nemission = { radiance = -1 }",
+        "11:25: radiance is -1, but must be 0 or more",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"emissive\"",
+        r#"8:1: an emissive material needs "radiance" or "power""#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"emissive\"\npower = 1\nradiance = 1",
+        "12:12: give power or radiance, not both",
+    ),
+    ("[environment]", r#"8:1: [environment] needs "image" or "color""#),
+    ("[environment]\ncolor = 1\nscale = -1", "10:9: scale is -1, but must be 0 or more"),
+    ("[environment]\ncolor = 1\nimage = \"sky.hdr\"", "10:9: give color or image, not both"),
+    // Shapes.
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 0\nmaterial = \"grey\"",
+        "10:10: radius is 0, but must be more than 0",
+    ),
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 1\nscale = [1, 2, 1]\nmaterial = \"grey\"",
+        "11:9: a sphere needs the same scale in all directions; use a mesh for an ellipsoid",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nscale = 0\nmaterial = \"grey\"",
+        "11:9: transform flattens the shape: a scale is 0, or too close to it",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nscale = 1\nmatrix = [1]\nmaterial = \"grey\"",
+        "12:10: give scale or matrix, not both",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmatrix = [1]\nmaterial = \"grey\"",
+        "11:10: matrix must be 3 or 4 rows of 4 numbers, or those 12 or 16 numbers in one array, not an array with 1 entry",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmatrix = [[1, 2]]\nmaterial = \"grey\"",
+        "11:11: matrix must be rows of 4 numbers, not an array with 2 entries",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmatrix = [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]\nmaterial = \"grey\"",
+        "11:10: the last row of matrix must be 0, 0, 0, 1",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nrotate = { axis = [0, 0, 0], degrees = 5 }\nmaterial = \"grey\"",
+        "11:19: [0, 0, 0] points nowhere",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nrotate = { axs = [0, 1, 0], degrees = 5 }\nmaterial = \"grey\"",
+        r#"11:12: no key "axs"; did you mean "axis"?"#,
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\ncenter = [0, 0, 0]\ntranslate = [0, 0, 1]\nmaterial = \"grey\"",
+        "12:13: give center or translate, not both",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\nmaterial = \"grey\"",
+        r#"8:1: a mesh needs "file" or "positions""#,
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\nfile = \"none.obj\"\nmaterial = \"grey\"",
+        r#"10:8: there is no file "none.obj" beside the scene"#,
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\nfile = \"a.obj\"\ntriangles = []\nmaterial = \"grey\"",
+        "11:13: give file or triangles, not both",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = [[0, 0, 0]]\ntriangles = [[0, 0, 1]]\nmaterial = \"grey\"",
+        "11:14: the triangle names vertex 1, but there are only 1 (numbered from 0)",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = [[0, 0, 0]]\nnormals = []\ntriangles = [[0, 0]]\nmaterial = \"grey\"",
+        "12:14: triangles must be three vertex numbers each [[a, b, c], ..], not an array with 2 entries",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = [[0, 0, 0], [1, 0, 0]]\nnormals = [[0, 0, 1]]\ntriangles = [[0, 0, 1]]\nmaterial = \"grey\"",
+        "11:11: 1 normals for 2 positions; give one each, or none",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = [[0, 0, 0]]\ntriangles = [[0, 0, 0]]",
+        r#"8:1: a mesh needs "material""#,
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = [[0, 0, 0]]\ntriangles = [[0, 0, 0]]\nsmooth_degrees = 181\nmaterial = \"grey\"",
+        "12:18: smooth_degrees is 181, but must lie between 0 and 180",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = [[0, 0, 0]]\ntriangles = [[0, 0, 0]]\nfit = { size = 1 }\nmaterial = \"grey\"",
+        "12:7: the mesh is flat along that axis; name another",
+    ),
+    (
+        "[[shape]]\ntype = \"mesh\"\npositions = []\ntriangles = []\nfit = { size = 1 }\nmaterial = \"grey\"",
+        "12:7: the mesh has no point that could be fitted",
+    ),
+    (
+        "[[light]]\ntype = \"directional\"\ndirection = [0, 0, 0]\nirradiance = 1",
+        "10:13: direction has no length",
+    ),
+    (
+        "[[light]]\ntype = \"point\"\nposition = [0, 0, 0]",
+        r#"8:1: a point light needs "intensity""#,
+    ),
+];
+
+/// The camera is in [`HEAD`]; these are scenes of their own.
+const WHOLE_SCENES: &[(&str, &str)] = &[
+    ("", r#"1:1: the scene needs "version": begin it with "version = 1""#),
+    (
+        "version = 1\nmaterial = 5",
+        "2:12: material must be tables like [[material]], not the number 5",
+    ),
+    ("version = 1\nmaterial = [5]", "2:13: material must be a table, not the number 5"),
+    (
+        "version = 1\n[[material]]\nname = \"a\"\ntype = \"black\"\nemission = 5",
+        "5:12: emission must be a table, not the number 5",
+    ),
+    ("verson = 1", r#"1:1: no key "verson"; did you mean "version"?"#),
+    ("version = 2\nwhatever = 5", "1:11: version 2 of the scene format is not known; 1 is"),
+    ("version = \"1\"", r#"1:11: version must be a whole number, 0 or more, not the text "1""#),
+    ("version = 1", "1:1: there is no [camera], and no shape that one could be turned to"),
+    ("version = 1\n[camera]\nlook_at = [0, 0, 0]", r#"2:1: [camera] needs "position""#),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, 0]",
+        "2:1: the camera has no direction: position and look_at are the same point, or too far apart",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nup = [0, 0, 0]",
+        "5:6: [0, 0, 0] points nowhere",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfov_degrees = 180",
+        "5:15: fov_degrees is 180, but must be more than 0 and less than 180",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 0",
+        "5:12: f_number is 0, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_at = [0, 0, 2]",
+        "5:12: focus_at lies behind the camera, or beside it",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_distance = -1",
+        "5:18: focus_distance is -1, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_distance = 1\nfocus_at = [0, 0, 0]",
+        "6:12: give focus_distance or focus_at, not both",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1e38]\nlook_at = [0, 0, -3e38]",
+        "2:1: the camera has no direction: position and look_at are the same point, or too far apart",
+    ),
+];
+
+#[test]
+fn mistakes_are_explained() {
+    let after_head = MISTAKES.iter().map(|(text, said)| (format!("{HEAD}{text}"), *said));
+    let whole = WHOLE_SCENES.iter().map(|(text, said)| ((*text).to_owned(), *said));
+    for (text, said) in after_head.chain(whole) {
+        let error = parse(&text).expect_err(&text).to_string();
+        assert_eq!(error, format!("scene.toml:{said}"), "{text}");
+    }
+}

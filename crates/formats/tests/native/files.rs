@@ -1,0 +1,134 @@
+//! Scenes name files beside them and nothing else, unless the reader is told otherwise.
+
+use crate::HEAD;
+use rutilant_formats::{Limits, ReadOptions, SceneErrorKind, read_scene};
+use std::fs;
+use std::path::Path;
+
+/// What is said about a scene in `folder` that names `file`.
+fn said(folder: &Path, file: &str, options: &ReadOptions<'_>) -> String {
+    let scene = folder.join("scene.toml");
+    let text = format!("{HEAD}[[shape]]\ntype = \"mesh\"\nmaterial = \"grey\"\nfile = '{file}'\n");
+    fs::write(&scene, text).expect("a scene");
+    let said = read_scene(&scene, options).expect_err(file).to_string();
+    said.replace(&scene.display().to_string(), "scene.toml")
+}
+
+/// Neither `..`, nor a root, nor a symbolic link leads out; and whether the file outside exists
+/// makes no difference to what is said.
+#[test]
+fn paths_stay_in_the_folder() {
+    let outside = tempfile::tempdir().expect("a folder");
+    fs::write(outside.path().join("secret.txt"), "").expect("a file");
+    let folder = outside.path().join("inside");
+    fs::create_dir_all(folder.join("deep")).expect("a folder");
+    let absolute = outside.path().join("secret.txt").display().to_string();
+    for file in ["../secret.txt", "../none.txt", "deep/../../secret.txt", &*absolute] {
+        assert_eq!(
+            said(&folder, file, &ReadOptions::default()),
+            format!(
+                "scene.toml:11:8: \"{file}\" leads out of the scene's folder; \
+                 move the file beside the scene, or allow this with --allow-path"
+            )
+        );
+    }
+    let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
+    for file in ["../secret.txt", "deep/../../secret.txt", &*absolute] {
+        let said = said(&folder, file, &allowed);
+        assert!(said.ends_with("meshes are read from .obj and .ply files only"), "{said}");
+    }
+}
+
+/// What is not there, or not a file, is said at the key that named it.
+#[test]
+fn only_regular_files_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("mesh.obj")).expect("a folder");
+    fs::write(folder.path().join("mesh.stl"), "").expect("a file");
+    for (file, expected) in [
+        ("mesh.obj", "scene.toml:11:8: \"mesh.obj\" is a folder, not a file"),
+        ("", "scene.toml:11:8: \"\" is a folder, not a file"),
+        ("none.obj", "scene.toml:11:8: there is no file \"none.obj\" beside the scene"),
+        (
+            r"deep\none.obj",
+            r#"scene.toml:11:8: there is no file "deep\\none.obj"; write / between folders, not \"#,
+        ),
+    ] {
+        assert_eq!(said(folder.path(), file, &ReadOptions::default()), expected);
+    }
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    /// A link is followed, and where it ends decides.
+    #[test]
+    fn links_stay_in_the_folder_too() {
+        let outside = tempfile::tempdir().expect("a folder");
+        fs::write(outside.path().join("secret.txt"), "").expect("a file");
+        let folder = outside.path().join("inside");
+        fs::create_dir(&folder).expect("a folder");
+        fs::write(folder.join("mesh.txt"), "").expect("a file");
+        symlink("../secret.txt", folder.join("out.txt")).expect("a link");
+        symlink("..", folder.join("up")).expect("a link");
+        symlink("mesh.txt", folder.join("in.txt")).expect("a link");
+        for file in ["out.txt", "up/secret.txt", "up/inside/../secret.txt"] {
+            let said = said(&folder, file, &ReadOptions::default());
+            assert!(
+                said.contains("leads out of the scene's folder through a symbolic link"),
+                "{said}"
+            );
+            assert!(said.contains("--allow-path"), "{said}");
+        }
+        for file in ["in.txt", "up/inside/mesh.txt"] {
+            let said = said(&folder, file, &ReadOptions::default());
+            assert!(said.ends_with("meshes are read from .obj and .ply files only"), "{said}");
+        }
+    }
+
+    /// A pipe would wait for a writer forever.
+    #[test]
+    fn pipes_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join("pipe.obj");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.is_ok_and(|status| status.success()), "mkfifo");
+        let options = ReadOptions::default();
+        let said = said(folder.path(), "pipe.obj", &options);
+        assert_eq!(said, "scene.toml:11:8: \"pipe.obj\" is not a regular file");
+        let error = read_scene(&pipe, &options).expect_err("a pipe").to_string();
+        assert!(error.ends_with("pipe.obj: not a regular file"), "{error}");
+    }
+}
+
+/// The scene file itself: missing, a folder, too large, not text, of no known kind.
+#[test]
+fn scene_files_are_checked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("folder.toml")).expect("a folder");
+    fs::write(path("large.toml"), HEAD).expect("a file");
+    fs::write(path("binary.toml"), b"version = 1\n# \xc3\xa4 \xff").expect("a file");
+    fs::write(path("scene.xyz"), "").expect("a file");
+    let options = ReadOptions {
+        limits: Limits { file_bytes: 50, ..Limits::default() },
+        ..ReadOptions::default()
+    };
+    let said = |name: &str| read_scene(&path(name), &options).expect_err(name);
+    assert!(matches!(said("none.toml").kind, SceneErrorKind::Io(_)));
+    assert!(matches!(said("large.toml").kind, SceneErrorKind::Limit { allowed: 50, .. }));
+    for (name, expected) in [
+        ("folder.toml", "folder.toml: a folder, not a file"),
+        ("binary.toml", "binary.toml:2:5: the text is not UTF-8 here; save the file as UTF-8"),
+        ("scene.xyz", "scene.xyz: no scenes are read from .xyz files; there are .toml, .obj, .ply"),
+        (
+            "scene",
+            "scene: a scene's kind is told by its extension, and here is none; there are .toml, .obj, .ply",
+        ),
+    ] {
+        let error = said(name).to_string();
+        assert!(error.ends_with(expected), "{error}");
+    }
+}

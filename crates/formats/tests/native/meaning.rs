@@ -1,0 +1,302 @@
+//! A scene in the native format means what its documentation says.
+
+use crate::{HEAD, documented_example, parse};
+use rutilant::bsdf::Fresnel;
+use rutilant::camera::Camera;
+use rutilant::color::Rgb;
+use rutilant::display::{Curve, Display};
+use rutilant::film::Filter;
+use rutilant::light::{EnvironmentLight, Light};
+use rutilant::material::{Absorption, EmittedLight, MaterialKind};
+use rutilant::scene::{MaterialId, Scene};
+use rutilant::settings::{
+    Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
+};
+use rutilant::shape::Shape;
+use rutilant_formats::LoadedScene;
+use rutilant_geom::Vec3;
+
+/// What stands after [`HEAD`], read.
+fn read(text: &str) -> LoadedScene {
+    parse(&format!("{HEAD}{text}")).expect(text)
+}
+
+fn near(a: Vec3, b: [f32; 3]) -> bool {
+    a.distance(Vec3::from(b)) < 1e-5
+}
+
+/// Where the origin and the tips of the axes of the first object go.
+fn corners(scene: &Scene) -> [Vec3; 4] {
+    let transform = scene.objects[0].world_from_object;
+    [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| transform.point(p))
+}
+
+/// The documentation's example uses most keys; each must arrive where it belongs.
+#[test]
+fn the_documented_example_means_what_it_says() {
+    let LoadedScene { scene, settings, display, notes } =
+        parse(documented_example()).expect("a scene");
+    assert_eq!(notes, [] as [&str; 0]);
+    assert_eq!(display, Display { exposure: 0.5, curve: Curve::Filmic });
+    let expected = Settings {
+        size: [640, 480],
+        spp: 256,
+        max_depth: Some(16),
+        seed: 7,
+        filter: Filter::Gaussian { radius: 1.5, sigma: 0.5 },
+        ..Settings::default()
+    };
+    assert_eq!(settings, expected);
+
+    let Camera::Perspective(camera) = scene.camera;
+    assert!(near(camera.world_from_camera.translation(), [0.0, 1.2, 4.0]));
+    assert_eq!(camera.fov_y, 35_f32.to_radians());
+    // Half of 24 mm over tan 17.5° is 38.06 mm; a quarter of that is the lens, half again its radius.
+    assert!((camera.aperture_radius - 0.038_06 / 8.0).abs() < 1e-6, "{}", camera.aperture_radius);
+    // (0, -0.7, -3.5) projected on (0, -0.7, -4) / √16.49.
+    assert!((camera.focus_distance - 14.49 / 16.49_f32.sqrt()).abs() < 1e-5);
+
+    let sky = scene.environment.expect("a sky");
+    let EnvironmentLight::Constant(Rgb([r, g, b])) = sky.light else { panic!("{sky:?}") };
+    assert!(
+        (r - 0.502_886).abs() < 1e-5
+            && (g - 0.658_375).abs() < 1e-5
+            && (b - 0.854_993).abs() < 1e-5
+    );
+    assert_eq!((sky.scale, sky.rotation), (0.5, 0.0));
+
+    let names: Vec<_> = scene.materials.iter().map(|m| &*m.name).collect();
+    assert_eq!(names, ["floor", "varnish", "red", "coat", "gold", "bottle", "lamp", "embers"]);
+    let MaterialKind::Mix(mix) = scene.materials[1].kind else { panic!("no mix") };
+    assert_eq!((mix.first, mix.second, mix.amount), (MaterialId(2), MaterialId(3), 0.1));
+    let MaterialKind::Dielectric(bottle) = scene.materials[5].kind else { panic!("no glass") };
+    assert_eq!((bottle.interior.ior, bottle.exterior.ior), (1.52, 1.0));
+    assert_eq!(bottle.fresnel, Fresnel::Exact);
+    assert_eq!(
+        bottle.interior.absorption,
+        Absorption::ColorAtDistance { color: Rgb::new(0.3, 0.8, 0.4), distance: 0.1 }
+    );
+    let lamp = scene.materials[6].emission.expect("light");
+    assert_eq!(lamp.light, EmittedLight::Power(Rgb::new(60.0, 55.0, 45.0)));
+    assert!(!lamp.two_sided);
+    let embers = scene.materials[7].emission.expect("light");
+    assert_eq!(embers.light, EmittedLight::Radiance(Rgb::new(3.0, 0.6, 0.1)));
+    assert!(embers.two_sided);
+
+    assert_eq!(scene.objects.len(), 5);
+    let floor = &scene.objects[0];
+    assert_eq!(
+        (floor.shape.clone(), floor.material),
+        (Shape::Rectangle { size: [10.0; 2].into() }, MaterialId(0))
+    );
+    assert!(near(floor.world_from_object.normal(Vec3::Z), [0.0, 1.0, 0.0]));
+    let lamp = &scene.objects[3];
+    assert!(near(lamp.world_from_object.normal(Vec3::Z), [0.0, -1.0, 0.0]));
+    // The pyramid is 1 high and 2 wide; fitted it is 0.5 high.
+    let pyramid = &scene.objects[4].world_from_object;
+    assert!(near(pyramid.point(Vec3::Y), [0.0, 0.5, 1.0]));
+    assert!(near(pyramid.point(Vec3::new(1.0, 0.0, 1.0)), [0.5, 0.0, 1.5]));
+    let Light::Directional { irradiance, .. } = scene.lights[0] else { panic!("no sun") };
+    assert_eq!(irradiance, Rgb::grey(1.5));
+}
+
+/// What is not said has the documented default.
+#[test]
+fn an_almost_empty_scene_has_the_defaults() {
+    let LoadedScene { scene, settings, display, notes } =
+        parse("version = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]").expect("a scene");
+    assert_eq!(settings, Settings::default());
+    assert_eq!(display, Display { exposure: 0.0, curve: Curve::Clip });
+    let Camera::Perspective(camera) = scene.camera;
+    assert_eq!(camera.fov_y, 45_f32.to_radians());
+    assert_eq!((camera.aperture_radius, camera.focus_distance), (0.0, 5.0));
+    assert!(scene.environment.is_none() && scene.objects.is_empty() && notes.is_empty());
+}
+
+/// Every name of every setting.
+#[test]
+fn settings_have_names() {
+    let get = |line: &str| read(&format!("[render]\nmax_depth = 5\n{line}")).settings;
+    for (name, kind) in [
+        ("path", IntegratorKind::Path),
+        ("naive", IntegratorKind::Naive),
+        ("direct", IntegratorKind::Direct),
+        ("ao", IntegratorKind::AmbientOcclusion),
+        ("normals", IntegratorKind::Normals),
+        ("albedo", IntegratorKind::Albedo),
+        ("depth", IntegratorKind::Depth),
+    ] {
+        assert_eq!(get(&format!("integrator = \"{name}\"")).integrator, kind);
+    }
+    for (line, filter) in [
+        ("filter = \"box\"", Filter::Box { radius: 0.5 }),
+        ("filter = \"tent\"\nfilter_radius = 2", Filter::Tent { radius: 2.0 }),
+        ("filter = \"gaussian\"\nfilter_sigma = 1", Filter::Gaussian { radius: 1.5, sigma: 1.0 }),
+        (
+            "filter = \"mitchell\"\nfilter_bc = [0, 1]",
+            Filter::Mitchell { radius: 2.0, b: 0.0, c: 1.0 },
+        ),
+        ("filter_radius = 3", Filter::BlackmanHarris { radius: 3.0 }),
+    ] {
+        assert_eq!(get(line).filter, filter);
+    }
+    assert_eq!(get("sampler = \"independent\"").sampler, SamplerKind::Independent);
+    assert_eq!(get("strategy = \"light\"").strategy, Strategy::LightOnly);
+    assert_eq!(get("strategy = \"bsdf\"").strategy, Strategy::BsdfOnly);
+    assert_eq!(get("heuristic = \"balance\"").heuristic, Heuristic::Balance);
+    assert_eq!(get("roulette = \"albedo\"").roulette, Roulette::Albedo);
+    assert_eq!(get("roulette = \"off\"").roulette, Roulette::Off);
+    assert_eq!(get("light_selection = \"uniform\"").light_selection, LightSelection::Uniform);
+    assert_eq!(get("seed = 0xffff_ffff_ffff_ffff").seed, u64::MAX);
+    assert_eq!(
+        get("size = [64, 32]\ncrop = [1, 2, 3, 4]").crop,
+        Some(Crop { x: 1, y: 2, width: 3, height: 4 })
+    );
+}
+
+/// Scale, then rotation, then translation; and about x before y before z.
+#[test]
+fn transforms_apply_in_the_documented_order() {
+    let disk = |lines: &str| {
+        let text = format!("[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\n{lines}");
+        corners(&read(&text).scene)
+    };
+    let [o, x, y, z] =
+        disk("scale = [2, 3, 4]\nrotate_degrees = [0, 0, 90]\ntranslate = [1, 0, 0]");
+    assert!(near(o, [1.0, 0.0, 0.0]) && near(x, [1.0, 2.0, 0.0]));
+    assert!(near(y, [-2.0, 0.0, 0.0]) && near(z, [1.0, 0.0, 4.0]));
+    // About x: y goes to z. Then about y: z goes to x.
+    let [_, x, y, z] = disk("rotate_degrees = [90, 90, 0]");
+    assert!(near(x, [0.0, 0.0, -1.0]) && near(y, [1.0, 0.0, 0.0]) && near(z, [0.0, -1.0, 0.0]));
+    let [_, x, ..] = disk("rotate = { axis = [0, 0, 5], degrees = 90 }");
+    assert!(near(x, [0.0, 1.0, 0.0]));
+    assert_eq!(disk("center = [1, 2, 3]"), disk("translate = [1, 2, 3]"));
+    let rows = "[1, 2, 3, 10], [4, 5, 7, 20], [7, 8, 10, 30]";
+    let flat = rows.replace("], [", ", ");
+    let matrix = disk(&format!("matrix = [{rows}]"));
+    assert!(near(matrix[0], [10.0, 20.0, 30.0]) && near(matrix[1], [11.0, 24.0, 37.0]));
+    assert_eq!(matrix, disk(&format!("matrix = [{rows}, [0, 0, 0, 1]]")));
+    assert_eq!(matrix, disk(&format!("matrix = {flat}")));
+    assert_eq!(matrix, disk(&format!("matrix = {}", flat.replace(']', ", 0, 0, 0, 1]"))));
+}
+
+/// A fitted mesh has the size and the place asked for, whatever it had before.
+#[test]
+fn fitting_gives_size_and_place() {
+    let mesh = |fit: &str| {
+        let text = format!(
+            "[[shape]]\ntype = \"mesh\"\nmaterial = \"grey\"\nfit = {fit}
+            positions = [[10, 10, 10], [14, 10, 10], [10, 12, 11]]\ntriangles = [[0, 1, 2]]"
+        );
+        let scene = read(&text).scene;
+        scene.meshes[0]
+            .positions
+            .iter()
+            .map(|p| scene.objects[0].world_from_object.point(*p))
+            .collect::<Vec<_>>()
+    };
+    let longest = mesh("{ size = 1 }");
+    assert!(near(longest[0], [-0.5, 0.0, -0.125]) && near(longest[2], [-0.5, 0.5, 0.125]));
+    let tall = mesh("{ size = 1, axis = \"y\", on_floor = 2 }");
+    assert!(near(tall[1], [1.0, 2.0, -0.25]) && near(tall[2], [-1.0, 3.0, 0.25]));
+    let there = mesh("{ center = [0, 1, 0] }");
+    assert!(near(there[0], [-2.0, 0.0, -0.5]));
+}
+
+/// A mesh in the scene itself, with everything that it can have.
+#[test]
+fn inline_meshes_keep_their_arrays() {
+    let quad = "[[shape]]\ntype = \"mesh\"\nmaterial = \"grey\"
+        positions = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+        triangles = [[0, 1, 2], [0, 2, 3]]\n";
+    let full = read(&format!(
+        "{quad}normals = [[0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 2]]
+        uvs = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsmooth_degrees = 30"
+    ));
+    let mesh = &full.scene.meshes[0];
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
+    assert_eq!(mesh.uvs[1].to_array(), [1.0, 0.0]);
+    assert_eq!(mesh.normals[3], Vec3::new(0.0, 0.0, 2.0), "own normals are kept");
+    assert_eq!(full.notes.len(), 1, "and that is said: {:?}", full.notes);
+    let smooth = read(&format!("{quad}smooth_degrees = 30"));
+    assert_eq!(smooth.scene.meshes[0].normals, [Vec3::Z; 4]);
+    assert_eq!(read(quad).scene.meshes[0].normals, []);
+}
+
+/// Tables can be written in any way that TOML knows.
+#[test]
+fn toml_has_many_spellings() {
+    let inline = parse(
+        "version = 1\ncamera = { position = [0, 0, 5], look_at = [0, 0, 0] }
+        material = [{ name = \"grey\", type = \"matte\" }]",
+    );
+    let dotted = parse(HEAD);
+    let windows = parse(&format!("\u{feff}{}", HEAD.replace('\n', "\r\n")));
+    for scene in [inline, dotted, windows] {
+        assert_eq!(scene.expect("a scene").scene.materials[0].name, "grey");
+    }
+    let emission =
+        read("[[material]]\nname = \"a\"\ntype = \"black\"\n[material.emission]\nradiance = 1");
+    assert!(emission.scene.materials[1].emission.is_some());
+}
+
+/// Zero has a sign, numbers have digits without end, and columns count characters.
+#[test]
+fn odd_texts_keep_their_meaning() {
+    let exposure = |number: &str| read(&format!("[render]\nexposure = {number}")).display.exposure;
+    assert_eq!(exposure("-0.0"), 0.0);
+    assert_eq!(exposure("1e-999"), 0.0);
+    assert_eq!(exposure("0x10"), 16.0);
+    assert_eq!(exposure("1_000"), 1000.0);
+    assert_eq!(exposure(&format!("1{}", "0".repeat(30))), 1e30);
+    assert_eq!(exposure(&format!("0.{}1", "0".repeat(100_000))), 0.0);
+    for (text, place) in [
+        ("\u{feff}verson = 1", "1:1"),
+        ("version = 1\r\n[rendr]", "2:2"),
+        ("version = 1 # ä\n\"ä\" = { \"ö\" = 1, \"ü\" = 2 } x", "2:28"),
+    ] {
+        let error = parse(text).expect_err(text).to_string();
+        assert!(error.starts_with(&format!("scene.toml:{place}: ")), "{error}");
+    }
+}
+
+/// Without a camera there is one that sees everything, and a note says so.
+#[test]
+fn a_missing_camera_is_chosen() {
+    let scene = |size: &str| {
+        parse(&format!(
+            "version = 1\nrender.size = {size}
+            material = [{{ name = \"grey\", type = \"matte\" }}]
+            [[shape]]\ntype = \"box\"\nsize = [2, 8, 2]\ncenter = [100, 0, 0]\nmaterial = \"grey\""
+        ))
+        .expect("a scene")
+    };
+    for size in ["[400, 300]", "[300, 400]"] {
+        let LoadedScene { scene, settings, notes, .. } = scene(size);
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        let Camera::Perspective(camera) = scene.camera;
+        let camera_from_world = camera.world_from_camera.inverse().expect("a pose");
+        let half_height = (0.5 * camera.fov_y).tan();
+        let half_width = half_height * settings.size[0] as f32 / settings.size[1] as f32;
+        let mut most = 0.0_f32;
+        for i in 0..8 {
+            let corner = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5;
+            let corner = Vec3::new(100.0, 0.0, 0.0) + corner * Vec3::new(2.0, 8.0, 2.0);
+            let seen = camera_from_world.point(corner);
+            most = most.max(seen.x.abs() / (half_width * -seen.z));
+            most = most.max(seen.y.abs() / (half_height * -seen.z));
+        }
+        assert!((0.5..1.0).contains(&most), "{size}: {most}");
+    }
+}
+
+/// What a mix leaves out is said.
+#[test]
+fn lost_emission_is_noted() {
+    let text = "[[material]]\nname = \"lamp\"\ntype = \"emissive\"\nradiance = 1
+        [[material]]\nname = \"both\"\ntype = \"mix\"\nfirst = \"grey\"\nsecond = \"lamp\"";
+    let notes = read(text).notes;
+    assert_eq!(notes.len(), 1);
+    assert!(notes[0].contains("\"both\" does not glow as its part \"lamp\" does"), "{notes:?}");
+}

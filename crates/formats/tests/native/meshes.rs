@@ -1,0 +1,150 @@
+//! Scenes made of mesh files, and mesh files that are scenes by themselves.
+
+use crate::HEAD;
+use rutilant::camera::Camera;
+use rutilant::color::Rgb;
+use rutilant::light::{Environment, EnvironmentLight};
+use rutilant::material::{MaterialKind, Mix};
+use rutilant::scene::{MaterialId, MeshId};
+use rutilant::shape::Shape;
+use rutilant_formats::{LoadedScene, ReadOptions, parse_native, read_scene};
+use rutilant_geom::Vec3;
+use std::fs;
+use std::path::Path;
+
+/// A tetrahedron: one side shiny, one matte, one of an undeclared material, and one of none.
+const OBJ: &str = "mtllib mesh.mtl
+v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1
+f 1 2 3
+usemtl matte\nf 1 4 2
+usemtl shiny\nf 1 3 4
+usemtl missing\nf 2 4 3
+";
+const MTL: &str =
+    "newmtl matte\nKd 0.5 0.25 0.125\nnewmtl shiny\nKd 0.5 0.5 0.5\nKs 0.25 0.25 0.25\n";
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y
+property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header
+0 0 0\n2 0 0\n0 2 0\n3 0 1 2\n";
+
+/// A folder with mesh files in it, and `scene.toml`: [`HEAD`] and some shapes.
+fn folder(shapes: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in [
+        ("mesh.obj", OBJ),
+        ("mesh.mtl", MTL),
+        ("mesh.ply", PLY),
+        ("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("empty.obj", ""),
+        ("scene.toml", &format!("{HEAD}{shapes}")),
+    ] {
+        fs::write(folder.path().join(name), text).expect("a file");
+    }
+    folder
+}
+
+fn read(folder: &Path, name: &str) -> LoadedScene {
+    read_scene(&folder.join(name), &ReadOptions::default()).expect(name)
+}
+
+fn refused(folder: &Path, name: &str) -> String {
+    let error = read_scene(&folder.join(name), &ReadOptions::default()).expect_err(name);
+    error.to_string().replace(&format!("{}/", folder.display()), "")
+}
+
+/// The file's own materials are used; the shape's stands in for what has none, and is said to.
+#[test]
+fn objects_bring_their_materials() {
+    let shape = "[[shape]]\ntype = \"mesh\"\nfile = \"mesh.obj\"\n";
+    let folder = folder(&format!("{shape}material = \"grey\"\n{shape}translate = [5, 0, 0]\n"));
+    let LoadedScene { scene, notes, .. } = read(folder.path(), "scene.toml");
+
+    let named = |object: usize| &*scene.materials[scene.objects[object].material.0 as usize].name;
+    let materials: Vec<_> = (0..8).map(named).collect();
+    assert_eq!(materials[..4], ["grey", "matte", "shiny", "grey"]);
+    assert_eq!(materials[4..], materials[..4], "the second shape's grey is a stand-in");
+    assert_eq!(scene.objects[0].material, MaterialId(0));
+    assert_ne!(scene.objects[4].material, MaterialId(0));
+    assert_eq!(notes.iter().filter(|n| n.contains("2 triangles have no material")).count(), 2);
+    assert!(notes.iter().any(|n| n.ends_with("the shape's own material stands in")), "{notes:?}");
+    assert!(notes.iter().any(|n| n.ends_with("matte grey stands in")), "{notes:?}");
+
+    // The file was read once: both shapes share its meshes.
+    assert_eq!(scene.meshes.len(), 4);
+    for i in 0..4 {
+        assert_eq!(scene.objects[i].shape, Shape::Mesh(MeshId(i as u32)));
+        assert_eq!(scene.objects[i].shape, scene.objects[i + 4].shape);
+    }
+
+    // A mix counts its parts in the file's own list, which now stands behind the scene's.
+    for material in &scene.materials {
+        if let MaterialKind::Mix(Mix { first, second, .. }) = material.kind {
+            assert!(first.0 > 0 && second.0 > 0);
+        }
+    }
+}
+
+/// A file that never speaks of materials takes the shape's; without that it is an error.
+#[test]
+fn plain_meshes_take_the_shapes_material() {
+    for file in ["mesh.ply", "bare.obj"] {
+        let shape = format!("[[shape]]\ntype = \"mesh\"\nfile = \"{file}\"\n");
+        let plain = folder(&format!("{shape}material = \"grey\""));
+        let LoadedScene { scene, notes, .. } = read(plain.path(), "scene.toml");
+        assert_eq!(scene.objects[0].material, MaterialId(0));
+        assert_eq!(notes, [] as [&str; 0]);
+        let without = folder(&shape);
+        assert_eq!(
+            refused(without.path(), "scene.toml"),
+            "scene.toml:8:1: a mesh needs \"material\""
+        );
+    }
+}
+
+/// A mesh can be read flat and smooth in the same scene, and each is read once.
+#[test]
+fn smoothing_makes_another_mesh() {
+    let shape = "[[shape]]\ntype = \"mesh\"\nfile = \"mesh.ply\"\nmaterial = \"grey\"\n";
+    let smooth = format!("{shape}smooth_degrees = 40\n");
+    let folder =
+        folder(&format!("{shape}{smooth}{shape}{smooth}fit = {{ size = 4, on_floor = 1 }}"));
+    let scene = read(folder.path(), "scene.toml").scene;
+    assert_eq!(scene.meshes.len(), 2);
+    assert_eq!((scene.meshes[0].normals.len(), scene.meshes[1].normals.len()), (0, 3));
+    assert!(scene.meshes[1].normals.iter().all(|n| n.distance(Vec3::Z) < 1e-6));
+    let shapes: Vec<_> = scene.objects.iter().map(|o| o.shape.clone()).collect();
+    assert_eq!(shapes, [0, 1, 0, 1].map(|i| Shape::Mesh(MeshId(i))));
+    let fitted = scene.objects[3].world_from_object;
+    assert!(fitted.point(Vec3::new(0.0, 2.0, 0.0)).distance(Vec3::new(-2.0, 5.0, 0.0)) < 1e-5);
+}
+
+/// A mesh alone is grey, under a white sky, in front of a camera.
+#[test]
+fn meshes_are_scenes() {
+    let folder = folder("");
+    for name in ["mesh.ply", "mesh.obj", "bare.obj"] {
+        let LoadedScene { scene, notes, .. } = read(folder.path(), name);
+        assert!(!scene.objects.is_empty() && notes.len() >= 2, "{notes:?}");
+        assert!(notes.iter().any(|n| n.contains("matte grey stands in")), "{notes:?}");
+        let Some(Environment { light, .. }) = scene.environment else { panic!("no sky") };
+        assert_eq!(light, EnvironmentLight::Constant(Rgb::WHITE));
+        let Camera::Perspective(camera) = scene.camera;
+        let eye = camera.world_from_camera.translation();
+        assert!(eye.x > 0.0 && eye.y > 0.0 && eye.z > 1.0, "{eye}");
+    }
+    assert!(refused(folder.path(), "empty.obj").starts_with("empty.obj: "));
+}
+
+/// An embedded image is found by its name, without a disk.
+#[test]
+fn embedded_images_are_found() {
+    let sky: &[u8] =
+        b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x80\x80\x80\x82";
+    let options = ReadOptions { embedded: &[("sky.hdr", sky)], ..ReadOptions::default() };
+    let text = format!("{HEAD}[environment]\nimage = \"sky.hdr\"");
+    let scene = parse_native(&text, Path::new("built-in.toml"), &options).expect("a scene").scene;
+    assert_eq!((scene.images[0].width(), scene.images[0].height()), (2, 1));
+    assert_eq!(scene.images[0].rgb().expect("colours")[1], [2.0; 3]);
+    let error = parse_native(&text, Path::new("built-in.toml"), &ReadOptions::default());
+    let error = error.expect_err("no file").to_string();
+    assert_eq!(error, "built-in.toml:9:9: there is no file \"sky.hdr\" beside the scene");
+}

@@ -1,0 +1,228 @@
+//! All surfaces of one space under one tree: triangles, spheres and disks.
+
+use crate::disk::Disk;
+use crate::sphere::Sphere;
+use crate::triangle::TriangleRay;
+use crate::{Aabb, BuildOptions, BuildReport, Bvh, Ray, Vec3, real};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f32::consts::{FRAC_1_PI, PI};
+
+/// Triangles, spheres and disks, ready to be met by rays.
+///
+/// Primitives are numbered: the triangles first, then the spheres, then the
+/// disks, each in the order they were given.
+#[derive(Clone, Debug)]
+pub struct Surfaces {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    spheres: Vec<Sphere>,
+    disks: Vec<Disk>,
+    bvh: Bvh,
+    /// The primitives in the order of the tree's leaves.
+    leaves: Vec<Leaf>,
+    report: BuildReport,
+}
+
+/// Where a ray met a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The number of the primitive.
+    pub primitive: u32,
+    /// Distance along the ray, in lengths of its direction, rounded once. The
+    /// unrounded one lies strictly between the ray's `t_min` and `t_max`.
+    pub t: f32,
+    /// On a triangle the barycentric weight of the second vertex, on a disk the
+    /// coordinate along its `u`, both as they are. On a sphere the longitude as
+    /// a part of the full turn: 0.5 at +z, growing towards +x, within [0, 1].
+    pub u: f32,
+    /// On a triangle the barycentric weight of the third vertex, on a disk the
+    /// coordinate along its `v`. On a sphere the latitude: 0 at -y, 1 at +y.
+    pub v: f32,
+    /// The exact hit point but for double precision's rounding, each coordinate
+    /// rounded once: what [`offset_origin`](crate::offset_origin) relies on.
+    pub position: Vec3,
+    /// The geometric normal, of unit length, each coordinate rounded once. On a
+    /// triangle it points to where the vertices run counter-clockwise, on a
+    /// sphere outwards, on a disk along `u × v`.
+    pub normal: Vec3,
+}
+
+impl Surfaces {
+    /// Builds the tree over all surfaces.
+    ///
+    /// Left out, and counted in the [`report`](Self::report), are triangles,
+    /// spheres and disks without area or with a number that is NaN or infinite,
+    /// and triangles with an index beyond `positions`.
+    ///
+    /// # Panics
+    ///
+    /// If there are 2³¹ primitives or more.
+    pub fn new(
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        spheres: Vec<Sphere>,
+        disks: Vec<Disk>,
+        options: &BuildOptions,
+    ) -> Self {
+        // An empty box tells the builder to leave something out.
+        let triangle_bounds = |indices: &[u32; 3]| {
+            let corners = indices.map(|i| positions.get(i as usize).copied());
+            let [Some(a), Some(b), Some(c)] = corners else { return Aabb::EMPTY };
+            let finite = a.is_finite() && b.is_finite() && c.is_finite();
+            if finite && triangle_normal([a, b, c]) != DVec3::ZERO {
+                Aabb::around([a, b, c])
+            } else {
+                Aabb::EMPTY
+            }
+        };
+        let mut bounds: Vec<Aabb> = triangles.par_iter().map(triangle_bounds).collect();
+        let spheres_bounds =
+            spheres.iter().map(|s| if s.is_proper() { s.bounds() } else { Aabb::EMPTY });
+        let disks_bounds =
+            disks.iter().map(|d| if d.is_proper() { d.bounds() } else { Aabb::EMPTY });
+        bounds.extend(spheres_bounds.chain(disks_bounds));
+
+        let bvh = Bvh::build(&bounds, options);
+        let leaf = |&primitive: &u32| {
+            let i = primitive as usize;
+            if i < triangles.len() {
+                Leaf::Triangle(triangles[i])
+            } else if i - triangles.len() < spheres.len() {
+                Leaf::Sphere((i - triangles.len()) as u32)
+            } else {
+                Leaf::Disk((i - triangles.len() - spheres.len()) as u32)
+            }
+        };
+        let leaves: Vec<Leaf> = bvh.order().par_iter().map(leaf).collect();
+
+        let bytes = bvh.report().bytes
+            + size_of_val(&*leaves)
+            + size_of_val(&*positions)
+            + size_of_val(&*triangles)
+            + size_of_val(&*spheres)
+            + size_of_val(&*disks);
+        let report = BuildReport { bytes, ..*bvh.report() };
+        Self { positions, triangles, spheres, disks, bvh, leaves, report }
+    }
+
+    /// What was built and what was left out. `bytes` counts the surfaces as well as the tree.
+    pub fn report(&self) -> &BuildReport {
+        &self.report
+    }
+
+    /// The box around everything; [`Aabb::EMPTY`] if there is nothing.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds()
+    }
+
+    /// The tree.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// All vertices.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// All triangles as three places in [`positions`](Self::positions), also those left out.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// All spheres, also those left out.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// All disks, also those left out.
+    pub fn disks(&self) -> &[Disk] {
+        &self.disks
+    }
+
+    /// The vertices of the triangle number `i`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such triangle, or it was left out for its indices.
+    pub fn triangle(&self, i: u32) -> [Vec3; 3] {
+        self.triangles[i as usize].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// The first surface that the ray meets, from either side: the hit with the
+    /// least `t` in double precision, of equal ones that with the smallest number.
+    ///
+    /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let triangle_ray = TriangleRay::new(ray);
+        let closest = self.bvh.closest(ray, |place| match self.leaves[place] {
+            Leaf::Triangle(indices) => {
+                let [a, b, c] = indices.map(|i| self.positions[i as usize]);
+                triangle_ray.intersect(a, b, c).map(|hit| (hit.t, [hit.u, hit.v]))
+            }
+            Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).map(|t| (t, [0.0, 0.0])),
+            Leaf::Disk(i) => {
+                self.disks[i as usize].intersect(ray).map(|hit| (hit.t, [hit.a, hit.b]))
+            }
+        })?;
+
+        // Where exactly, in double precision; rounded once at the end.
+        let primitive = closest.primitive;
+        let [u, v] = closest.what;
+        let i = primitive as usize;
+        let (position, normal, [u, v]) = if i < self.triangles.len() {
+            let corners = self.triangle(primitive);
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
+            let position = a + (b - a) * u + (c - a) * v;
+            (position, unit(triangle_normal(corners)), [u as f32, v as f32])
+        } else if let Some(sphere) = self.spheres.get(i - self.triangles.len()) {
+            let (position, normal) = sphere.surface_at(ray, closest.t);
+            (position, normal, longitude_latitude(normal.as_vec3()))
+        } else {
+            let disk = &self.disks[i - self.triangles.len() - self.spheres.len()];
+            (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32])
+        };
+        let (position, normal) = (position.as_vec3(), normal.as_vec3());
+        Some(Hit { primitive, t: closest.t as f32, u, v, position, normal })
+    }
+
+    /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let triangle_ray = TriangleRay::new(ray);
+        self.bvh.occluded(ray, |place| match self.leaves[place] {
+            Leaf::Triangle(indices) => {
+                let [a, b, c] = indices.map(|i| self.positions[i as usize]);
+                triangle_ray.intersect(a, b, c).is_some()
+            }
+            Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).is_some(),
+            Leaf::Disk(i) => self.disks[i as usize].intersect(ray).is_some(),
+        })
+    }
+}
+
+/// One primitive in a leaf of the tree.
+#[derive(Clone, Copy, Debug)]
+enum Leaf {
+    /// Places in the positions, copied here so that a leaf's triangles lie together.
+    Triangle([u32; 3]),
+    Sphere(u32),
+    Disk(u32),
+}
+
+/// Twice the area along the normal; zero exactly for a triangle without area.
+fn triangle_normal(corners: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    (b - a).cross(c - a)
+}
+
+/// The same direction with length one. Scaled first: squares of tiny areas would vanish.
+fn unit(n: DVec3) -> DVec3 {
+    let n = n / n.abs().max_element();
+    n / n.length()
+}
+
+/// The place of a sphere's normal on a map of the world, both 0 to 1.
+fn longitude_latitude(n: Vec3) -> [f32; 2] {
+    [0.5 + 0.5 * FRAC_1_PI * real::atan2(n.x, n.z), real::acos(-n.y.clamp(-1.0, 1.0)) / PI]
+}

@@ -1,0 +1,120 @@
+//! One pass over the film: tiles shared out among threads, the same bits for any number of them.
+
+use crate::camera::PreparedCamera;
+use crate::film::{Film, FilterSampler, Tile};
+use crate::integrator::{
+    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Path, dimension,
+};
+use crate::light::EmitterSelection;
+use crate::prepare::Prepared;
+use crate::sampler::{Independent, Sampler, Sobol};
+use crate::settings::{IntegratorKind, SamplerKind, Settings};
+use rutilant_geom::Vec2;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+
+/// What has been done so far, counted by all threads.
+#[derive(Debug, Default)]
+pub(crate) struct Counters {
+    /// Camera paths.
+    pub(crate) paths: AtomicU64,
+    /// Rays traced.
+    pub(crate) rays: AtomicU64,
+}
+
+/// Everything that one pass reads.
+pub(crate) struct Pass<'a> {
+    pub(crate) scene: &'a Prepared,
+    pub(crate) settings: &'a Settings,
+    pub(crate) film: &'a Film,
+    /// Every pixel is brought to this many samples.
+    pub(crate) until_sample: u64,
+    pub(crate) threads: usize,
+    /// Set from outside to leave the rest of the pass undone.
+    pub(crate) stop: &'a AtomicBool,
+    pub(crate) counters: &'a Counters,
+}
+
+impl Pass<'_> {
+    /// Renders the pass: chooses integrator and sampler once, then compiles them into one loop.
+    pub(crate) fn run(&self) {
+        let settings = self.settings;
+        let max_depth = settings.max_depth.unwrap_or(u32::MAX);
+        let selection = || {
+            EmitterSelection::new(
+                settings.light_selection,
+                self.scene.emitters(),
+                self.scene.radius(),
+            )
+        };
+        match settings.integrator {
+            IntegratorKind::Path => self.run_with(&Path {
+                selection: selection(),
+                strategy: settings.strategy,
+                heuristic: settings.heuristic,
+                roulette: settings.roulette,
+                max_depth,
+            }),
+            IntegratorKind::Naive => self.run_with(&Naive { max_depth }),
+            IntegratorKind::Direct => self.run_with(&Direct { selection: selection() }),
+            IntegratorKind::AmbientOcclusion => self.run_with(&AmbientOcclusion),
+            IntegratorKind::Normals => self.run_with(&Normals),
+            IntegratorKind::Albedo => self.run_with(&Albedo),
+            IntegratorKind::Depth => self.run_with(&Depth),
+        }
+    }
+
+    fn run_with<I: Integrator>(&self, integrator: &I) {
+        match self.settings.sampler {
+            SamplerKind::Independent => self.run_threads::<Independent, I>(integrator),
+            SamplerKind::Sobol => self.run_threads::<Sobol, I>(integrator),
+        }
+    }
+
+    fn run_threads<S: Sampler, I: Integrator>(&self, integrator: &I) {
+        let camera = self.scene.camera.prepare(self.settings.size);
+        let filter = FilterSampler::new(&self.settings.filter);
+        let next = AtomicUsize::new(0);
+        let work = || {
+            while !self.stop.load(Ordering::Relaxed) {
+                let ticket = next.fetch_add(1, Ordering::Relaxed);
+                if ticket >= self.film.tile_count() {
+                    break;
+                }
+                self.render_tile::<S, I>(&mut self.film.tile(ticket), integrator, &camera, &filter);
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..self.threads {
+                scope.spawn(work);
+            }
+            work();
+        });
+    }
+
+    fn render_tile<S: Sampler, I: Integrator>(
+        &self,
+        tile: &mut Tile,
+        integrator: &I,
+        camera: &PreparedCamera,
+        filter: &FilterSampler,
+    ) {
+        let (area, seed) = (tile.area, self.settings.seed);
+        let (mut rays, mut paths) = (0, 0);
+        for sample in tile.next_sample..self.until_sample {
+            for y in area.y..area.y + area.height {
+                for x in area.x..area.x + area.width {
+                    let sampler = S::new(seed, [x, y], sample);
+                    let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
+                    let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+                    let ray = camera.ray(film, sampler.d2(dimension::LENS));
+                    let radiance = integrator.radiance(self.scene, ray, &sampler, &mut rays);
+                    tile.add(x, y, sample, radiance * weight);
+                    paths += 1;
+                }
+            }
+            tile.next_sample = sample + 1;
+        }
+        self.counters.rays.fetch_add(rays, Ordering::Relaxed);
+        self.counters.paths.fetch_add(paths, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,83 @@
+//! Emission and direct light: every light sampled once at the first surface.
+//!
+//! Written apart from [`Path`](super::Path), which gives the same picture at a depth of 2: light
+//! samples alone on rough surfaces, scattered rays alone on mirrors and glass.
+
+use super::Integrator;
+use super::dimension::Bounce;
+use super::emission::SeenEmission;
+use super::path::transmittance;
+use crate::color::Spectrum;
+use crate::light::EmitterSelection;
+use crate::prepare::Prepared;
+use crate::sampler::Sampler;
+use rutilant_geom::Ray;
+
+/// Direct light only.
+pub(crate) struct Direct {
+    pub(crate) selection: EmitterSelection,
+}
+
+impl Integrator for Direct {
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum {
+        *rays += 1;
+        let Some(hit) = scene.closest(&ray) else {
+            return SeenEmission::of_sky(scene, ray.direction)
+                .map_or(Spectrum::BLACK, |s| s.radiance);
+        };
+        let at = scene.interaction(&hit, ray.direction);
+        let bsdf = scene.material(&at).bsdf;
+        let wo = at.wo_local();
+        let bounce = Bounce::at(1);
+
+        // The ray's way to here, through whatever fills the side it came from.
+        let border = scene.material(&at).border;
+        let side = |front: bool| {
+            border.map_or(Spectrum::BLACK, |b| if front { b.exterior } else { b.interior })
+        };
+        let way = transmittance(side(wo.z > 0.0), hit.t);
+        let emitted = SeenEmission::of_surface(scene, &at).map_or(Spectrum::BLACK, |e| e.radiance);
+        let mut radiance = emitted;
+
+        // Rough lobes: one light, anywhere on it.
+        let origin = at.reflected_origin();
+        if let Some((emitter, pmf)) = self.selection.select(origin, sampler.d1(bounce.light()))
+            && !bsdf.is_delta()
+            && let Some(light) =
+                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))
+        {
+            *rays += 1;
+            if !scene.occluded(&light.shadow_ray(origin)) {
+                let scattered = bsdf.eval_cos(wo, at.shading.to_local(light.wi));
+                radiance += scattered * light.radiance * (1.0 / (pmf * light.pdf));
+            }
+        }
+
+        // Mirrors and glass: the light seen in them.
+        let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
+        if let Some(sample) = sample.filter(|s| s.delta) {
+            let crossed = sample.is_transmission(wo);
+            let origin = if crossed { at.transmitted_origin() } else { at.reflected_origin() };
+            let ray = Ray::new(origin, at.shading.to_world(sample.wi).normalize());
+            *rays += 1;
+            let (seen, distance) = match scene.closest(&ray) {
+                Some(hit) => (
+                    SeenEmission::of_surface(scene, &scene.interaction(&hit, ray.direction)),
+                    hit.t,
+                ),
+                None => (SeenEmission::of_sky(scene, ray.direction), f32::INFINITY),
+            };
+            let medium = side((wo.z > 0.0) != crossed);
+            radiance += seen.map_or(Spectrum::BLACK, |s| {
+                s.radiance * sample.weight * transmittance(medium, distance)
+            });
+        }
+        way * radiance
+    }
+}

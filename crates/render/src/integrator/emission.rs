@@ -1,0 +1,47 @@
+//! Light as a scattered ray finds it, with the density that light sampling would have had.
+
+use crate::color::Spectrum;
+use crate::interaction::SurfaceInteraction;
+use crate::light::EmitterSelection;
+use crate::prepare::Prepared;
+use rutilant_geom::Vec3;
+
+/// Emitted light that a ray ran into.
+pub(super) struct SeenEmission {
+    /// Radiance towards where the ray came from.
+    pub(super) radiance: Spectrum,
+    /// The number of the emitter.
+    emitter: usize,
+    /// Where the ray met it, and the normal there; not used by the sky.
+    position: Vec3,
+    normal: Vec3,
+}
+
+impl SeenEmission {
+    /// The sky in direction `wi`.
+    pub(super) fn of_sky(scene: &Prepared, wi: Vec3) -> Option<Self> {
+        let (emitter, sky) = scene.environment()?;
+        let radiance = sky.radiance(wi);
+        Some(Self { radiance, emitter, position: Vec3::ZERO, normal: Vec3::ZERO })
+    }
+
+    /// A glowing surface.
+    pub(super) fn of_surface(scene: &Prepared, at: &SurfaceInteraction) -> Option<Self> {
+        let emitter = at.emitter? as usize;
+        let radiance = scene.emitters()[emitter].glow()?.towards(at.wo, at.normal);
+        let seen = Self { radiance, emitter, position: at.position, normal: at.normal };
+        (!radiance.is_black()).then_some(seen)
+    }
+
+    /// The density, in 1/sr, with which light sampling at `from` would have chosen `wi`.
+    pub(super) fn light_pdf(
+        &self,
+        scene: &Prepared,
+        selection: &EmitterSelection,
+        from: Vec3,
+        wi: Vec3,
+    ) -> f32 {
+        selection.pmf(from, self.emitter)
+            * scene.emitters()[self.emitter].pdf(from, wi, self.position, self.normal)
+    }
+}

@@ -1,0 +1,237 @@
+//! Path tracing: where a ray becomes a colour.
+//!
+//! A path runs from the camera from surface to surface. At each it looks for
+//! light in two ways, by choosing a point on a light and by following the
+//! direction that the surface scatters, and weighs both by multiple importance
+//! sampling. Dim paths end at random; survivors stand in for them.
+//!
+//! Not for caustics from small lights: a path meets those only by chance.
+//!
+//! Source: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, *Robust
+//! Monte Carlo Methods for Light Transport Simulation*, 1997, chapters 8 to 10.
+
+use super::Integrator;
+use super::dimension::Bounce;
+use super::emission::SeenEmission;
+use crate::color::Spectrum;
+use crate::interaction::SurfaceInteraction;
+use crate::light::EmitterSelection;
+use crate::prepare::{Prepared, PreparedMaterial};
+use crate::sampler::Sampler;
+use crate::settings::{Heuristic, Roulette, Strategy};
+use rutilant_geom::{Ray, Vec3, real};
+
+/// Path tracing with light and BSDF sampling.
+pub(crate) struct Path {
+    pub(crate) selection: EmitterSelection,
+    pub(crate) strategy: Strategy,
+    pub(crate) heuristic: Heuristic,
+    pub(crate) roulette: Roulette,
+    /// The longest path in segments.
+    pub(crate) max_depth: u32,
+}
+
+/// The surface that a path last left.
+struct Previous {
+    /// Where.
+    position: Vec3,
+    /// The density of the direction taken, in 1/sr.
+    pdf: f32,
+    /// True when light sampling could not have found that direction.
+    delta: bool,
+}
+
+impl Integrator for Path {
+    fn radiance<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        camera_ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> Spectrum {
+        let mut radiance = Spectrum::BLACK;
+        let mut throughput = Spectrum::WHITE;
+        let mut ray = camera_ray;
+        let mut previous: Option<Previous> = None;
+        // What the medium around the ray absorbs, in 1/m.
+        let mut absorption = Spectrum::BLACK;
+        // Radiance is larger inside a dense medium by this factor; it will be lost on leaving.
+        let mut density_gain = 1.0;
+
+        for depth in 1..=self.max_depth {
+            // Find the next surface, or leave the scene.
+            *rays += 1;
+            let Some(hit) = scene.closest(&ray) else {
+                if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
+                    let seen = throughput * transmittance(absorption, f32::INFINITY);
+                    radiance += seen * self.weighted(scene, &sky, &ray, previous.as_ref());
+                }
+                break;
+            };
+            let at = scene.interaction(&hit, ray.direction);
+            let material = scene.material(&at);
+            let wo = at.wo_local();
+
+            // What the medium left of the light; a border knows what is on the side we come from.
+            if let Some(border) = &material.border {
+                absorption = if wo.z > 0.0 { border.exterior } else { border.interior };
+            }
+            throughput *= transmittance(absorption, hit.t);
+
+            // Light that starts here, weighted against having been chosen by light sampling.
+            if let Some(emission) = SeenEmission::of_surface(scene, &at) {
+                radiance += throughput * self.weighted(scene, &emission, &ray, previous.as_ref());
+            }
+            if depth == self.max_depth {
+                break;
+            }
+
+            // Light that arrives here directly from one light.
+            let bounce = Bounce::at(depth);
+            if !material.bsdf.is_delta() {
+                radiance += throughput
+                    * self.direct_light(scene, &at, material, absorption, sampler, bounce, rays);
+            }
+
+            // Continue in a direction drawn from the BSDF.
+            let Some(sample) =
+                material.bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()))
+            else {
+                break;
+            };
+            throughput *= sample.weight;
+            let crossed = sample.is_transmission(wo);
+            let origin = if crossed { at.transmitted_origin() } else { at.reflected_origin() };
+            ray = Ray::new(origin, at.shading.to_world(sample.wi).normalize());
+            previous = Some(Previous { position: origin, pdf: sample.pdf, delta: sample.delta });
+            if let (true, Some(border)) = (crossed, &material.border) {
+                absorption = if wo.z > 0.0 { border.interior } else { border.exterior };
+                density_gain *= sample.eta * sample.eta;
+            }
+
+            // End dim paths by roulette; the survivors stand in for the ended.
+            let survival = self.survival(depth, throughput * density_gain, material, sample.delta);
+            if survival < 1.0 {
+                if sampler.d1(bounce.roulette()) >= survival {
+                    break;
+                }
+                throughput *= 1.0 / survival;
+            }
+        }
+        radiance
+    }
+}
+
+impl Path {
+    /// Emission that a ray ran into, times the share that BSDF sampling has in finding it.
+    fn weighted(
+        &self,
+        scene: &Prepared,
+        seen: &SeenEmission,
+        ray: &Ray,
+        previous: Option<&Previous>,
+    ) -> Spectrum {
+        let share = match previous {
+            None => 1.0,
+            Some(p) if p.delta => 1.0,
+            Some(p) => match self.strategy {
+                Strategy::BsdfOnly => 1.0,
+                Strategy::LightOnly => 0.0,
+                Strategy::Both => {
+                    let light_pdf =
+                        seen.light_pdf(scene, &self.selection, p.position, ray.direction);
+                    self.heuristic.share(p.pdf, light_pdf)
+                }
+            },
+        };
+        seen.radiance * share
+    }
+
+    /// Light from one light that is chosen for `at`, times the share that light sampling has in
+    /// finding it, scattered towards `wo`.
+    #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
+    fn direct_light<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        at: &SurfaceInteraction,
+        material: &PreparedMaterial,
+        absorption: Spectrum,
+        sampler: &S,
+        bounce: Bounce,
+        rays: &mut u64,
+    ) -> Spectrum {
+        let origin = at.reflected_origin();
+        let arriving = || {
+            let (emitter, pmf) = self.selection.select(origin, sampler.d1(bounce.light()))?;
+            let light =
+                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))?;
+            let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
+            let scattered = material.bsdf.eval_cos(wo, wi);
+            let pdf = pmf * light.pdf;
+            let share = match self.strategy {
+                _ if light.delta => 1.0,
+                Strategy::LightOnly => 1.0,
+                Strategy::BsdfOnly => 0.0,
+                Strategy::Both => self.heuristic.share(pdf, material.bsdf.pdf(wo, wi)),
+            };
+            let unshadowed = scattered * light.radiance * (share / pdf);
+            (!unshadowed.is_black()).then_some((light, unshadowed))
+        };
+        let Some((light, unshadowed)) = arriving() else { return Spectrum::BLACK };
+        *rays += 1;
+        if scene.occluded(&light.shadow_ray(origin)) {
+            return Spectrum::BLACK;
+        }
+        let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
+        unshadowed * transmittance(absorption, distance)
+    }
+
+    /// The probability with which a path goes on after its `depth`-th segment.
+    fn survival(
+        &self,
+        depth: u32,
+        worth: Spectrum,
+        material: &PreparedMaterial,
+        delta: bool,
+    ) -> f32 {
+        match self.roulette {
+            Roulette::Off => 1.0,
+            Roulette::Albedo if delta => 1.0,
+            Roulette::Albedo => material.bsdf.albedo().max_channel().clamp(0.1, 1.0),
+            Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
+            Roulette::Throughput => worth.max_channel().clamp(0.0, 1.0),
+        }
+        .min(if depth < ENDLESS_FROM { 1.0 } else { ENDLESS_SURVIVAL })
+    }
+}
+
+/// Segments before roulette by throughput may end a path. The first bounces carry most of the
+/// picture; ending them saves few rays and adds much noise.
+const ROULETTE_FROM: u32 = 4;
+
+/// Segments after which even paths that lose nothing may end: light trapped in glass by total
+/// reflection would go round for ever.
+const ENDLESS_FROM: u32 = 64;
+
+/// How often such a path goes on.
+const ENDLESS_SURVIVAL: f32 = 0.95;
+
+impl Heuristic {
+    /// The share of a strategy of density `own` in what another of density `other` can find as well.
+    pub(crate) fn share(self, own: f32, other: f32) -> f32 {
+        // Ratios first: squares of large densities overflow.
+        let ratio = other / own;
+        match self {
+            Self::Balance => 1.0 / (1.0 + ratio),
+            Self::Power => 1.0 / (1.0 + ratio * ratio),
+        }
+    }
+}
+
+/// The part of light that is left after `distance` metres: exp(−σ d), Beer's law.
+pub(super) fn transmittance(absorption: Spectrum, distance: f32) -> Spectrum {
+    if absorption.is_black() {
+        return Spectrum::WHITE;
+    }
+    absorption.map(|sigma| if sigma > 0.0 { real::exp(-sigma * distance) } else { 1.0 })
+}

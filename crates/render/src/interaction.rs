@@ -1,0 +1,117 @@
+//! Where a ray met a surface.
+
+use rutilant_geom::{Frame, Vec3, offset_origin};
+
+/// A surface point as the integrators see it.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInteraction {
+    /// The point, each coordinate rounded once.
+    pub position: Vec3,
+    /// Unit normal of the true surface, on its front.
+    pub normal: Vec3,
+    /// Unit direction back to where the ray came from.
+    pub wo: Vec3,
+    /// Where scattering is described: z is the interpolated normal, on the front, bent where
+    /// needed so that `wo` and its mirror image stay on their side of the true surface.
+    pub shading: Frame,
+    /// The point moved onto the smooth surface that the vertex normals describe; scattered rays
+    /// on the side of `wo` start here.
+    smooth_position: Vec3,
+    /// The number of the material in the prepared scene.
+    pub material: u32,
+    /// The number of the emitter that this surface is, if it glows.
+    pub emitter: Option<u32>,
+}
+
+impl SurfaceInteraction {
+    /// A point on a surface that is as smooth as it looks.
+    pub(crate) fn new(
+        position: Vec3,
+        normal: Vec3,
+        wo: Vec3,
+        material: u32,
+        emitter: Option<u32>,
+    ) -> Self {
+        let shading = Frame::around(normal);
+        Self { position, normal, wo, shading, smooth_position: position, material, emitter }
+    }
+
+    /// A point on a triangle with vertex normals, interpolated to `normal` (any length).
+    /// `corners` are the vertices with their unit normals and barycentric weights.
+    pub(crate) fn smoothed(self, normal: Vec3, corners: [(Vec3, Vec3, f32); 3]) -> Self {
+        let Some(normal) = normal.try_normalize() else { return self };
+        let normal = if normal.dot(self.normal) < 0.0 { -normal } else { normal };
+        let seen_side = if self.wo.dot(self.normal) < 0.0 { -1.0 } else { 1.0 };
+        let bent =
+            seen_side * consistent_normal(seen_side * normal, seen_side * self.normal, self.wo);
+
+        // Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4: the point is
+        // lifted out of each vertex's tangent plane that lies above it.
+        let lift = corners.into_iter().fold(Vec3::ZERO, |lift, (vertex, n, weight)| {
+            let n = if n.dot(self.normal) * seen_side < 0.0 { -n } else { n };
+            lift - n * (weight * (self.position - vertex).dot(n).min(0.0))
+        });
+        Self { shading: Frame::around(bent), smooth_position: self.position + lift, ..self }
+    }
+
+    /// `wo` in the shading frame. Its z is positive exactly on the front.
+    pub fn wo_local(&self) -> Vec3 {
+        self.shading.to_local(self.wo)
+    }
+
+    /// The origin of a ray that was scattered back to the side that `wo` is on.
+    pub fn reflected_origin(&self) -> Vec3 {
+        offset_origin(self.smooth_position, self.normal, self.wo)
+    }
+
+    /// The origin of a ray that crossed the surface.
+    pub fn transmitted_origin(&self) -> Vec3 {
+        offset_origin(self.position, self.normal, -self.wo)
+    }
+}
+
+/// The shading normal, bent no more than needed for the mirror image of `wo` to stay above the
+/// true surface. Both normals point to the side of `wo`.
+///
+/// Source: Keller et al., "The Iray Light Transport Simulation and Rendering System", 2017,
+/// section A.3.
+fn consistent_normal(shading: Vec3, normal: Vec3, wo: Vec3) -> Vec3 {
+    /// How far above the surface a bent mirror image stays, as a sine.
+    const ABOVE: f32 = 1e-3;
+    let mirrored = 2.0 * shading.dot(wo) * shading - wo;
+    let height = mirrored.dot(normal);
+    if height >= ABOVE && shading.dot(wo) > 0.0 {
+        return shading;
+    }
+    let raised = (mirrored + (ABOVE - height).max(0.0) * normal).normalize_or(normal);
+    let bent = (wo + raised).normalize_or(normal);
+    if bent.dot(wo) > 0.0 && bent.dot(normal) > 0.0 { bent } else { normal }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However far an interpolated normal leans, the surface is seen from its front and mirrors
+    /// light from above itself: no black rims, no light through the back.
+    #[test]
+    fn bent_normals_keep_both_directions_above_the_surface() {
+        for i in 0..10_000 {
+            let turn = |k: u32| {
+                let word = (i as u32 + 1)
+                    .wrapping_mul(0x9e37_79b9)
+                    .rotate_left(k)
+                    .wrapping_mul(0x85eb_ca6b);
+                (word >> 8) as f32 / (1 << 24) as f32 * 2.0 - 1.0
+            };
+            let normal = Vec3::Z;
+            let wo = Vec3::new(turn(1), turn(5), turn(9).abs() + 1e-4).normalize();
+            let shading = Vec3::new(turn(13), turn(17), turn(21).abs()).normalize();
+            let bent = consistent_normal(shading, normal, wo);
+            assert!((bent.length() - 1.0).abs() < 1e-5);
+            assert!(bent.dot(wo) > 0.0, "{wo} {shading} {bent}");
+            let mirrored = 2.0 * bent.dot(wo) * bent - wo;
+            assert!(mirrored.z > -1e-6, "{wo} {shading} {bent} {mirrored}");
+        }
+    }
+}

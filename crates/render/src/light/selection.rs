@@ -1,0 +1,73 @@
+//! Which of many lights to sample.
+//!
+//! Either all equally often, as in the 2017 report, or in proportion to power.
+//! The power of lights at infinity says nothing about what they do at a point
+//! (it grows with the scene), so each of them is chosen as often as all lights
+//! within the scene together.
+//!
+//! Choosing takes the shading point, so that a light tree can stand here.
+
+use super::Emitter;
+use crate::math::distribution::Distribution1d;
+use crate::settings::LightSelection;
+use rutilant_geom::Vec3;
+
+/// Chooses emitters by number.
+#[derive(Clone, Debug)]
+pub enum EmitterSelection {
+    /// There are none.
+    None,
+    /// Each of this many equally often.
+    Uniform(u32),
+    /// In proportion to a weight.
+    Weighted(Distribution1d),
+}
+
+impl EmitterSelection {
+    /// Chooses among `emitters` in the way of `kind`; `scene_radius` as in [`Emitter::power`].
+    pub fn new(kind: LightSelection, emitters: &[Emitter], scene_radius: f32) -> Self {
+        if emitters.is_empty() {
+            return Self::None;
+        }
+        let uniform = Self::Uniform(emitters.len() as u32);
+        match kind {
+            LightSelection::Uniform => uniform,
+            LightSelection::Power => {
+                let power = |e: &Emitter| f64::from(e.power(scene_radius).luminance());
+                let finite: f64 = emitters.iter().filter(|e| !e.is_infinite()).map(power).sum();
+                let weights = emitters.iter().map(|e| match e.is_infinite() {
+                    true if power(e) == 0.0 => 0.0,
+                    true if finite > 0.0 => finite,
+                    true => 1.0,
+                    false => power(e),
+                });
+                let weights: Vec<f64> = weights.collect();
+                Distribution1d::new(weights.into_iter()).map_or(Self::None, Self::Weighted)
+            }
+        }
+    }
+
+    /// The number of an emitter that may light `from`, and the probability of this choice.
+    pub fn select(&self, _from: Vec3, u: f32) -> Option<(usize, f32)> {
+        match self {
+            Self::None => None,
+            Self::Uniform(count) => {
+                let i = ((u * *count as f32) as u32).min(count - 1);
+                Some((i as usize, 1.0 / *count as f32))
+            }
+            Self::Weighted(weights) => {
+                let (i, _) = weights.sample_step(u);
+                Some((i, weights.pmf(i)))
+            }
+        }
+    }
+
+    /// The probability of choosing `emitter` at `from`.
+    pub fn pmf(&self, _from: Vec3, emitter: usize) -> f32 {
+        match self {
+            Self::None => 0.0,
+            Self::Uniform(count) => 1.0 / *count as f32,
+            Self::Weighted(weights) => weights.pmf(emitter),
+        }
+    }
+}

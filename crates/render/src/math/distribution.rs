@@ -1,0 +1,149 @@
+//! Step functions to draw from, in one and two dimensions.
+//!
+//! Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
+//! sections A.4.7 and A.5.6.
+
+use rutilant_geom::Vec2;
+
+/// A density over [0, 1) with equal steps.
+#[derive(Clone, Debug)]
+pub struct Distribution1d {
+    /// The share of all that lies before each step's end. The last is 1.
+    cumulative: Vec<f32>,
+}
+
+impl Distribution1d {
+    /// From one value a step, finite and not negative. `None` when there are no values or their sum is 0.
+    pub fn new(values: impl ExactSizeIterator<Item = f64> + Clone) -> Option<Self> {
+        let total: f64 = values.clone().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return None;
+        }
+        let mut sum = 0.0;
+        let mut cumulative: Vec<f32> = values
+            .map(|value| {
+                sum += value;
+                (sum / total) as f32
+            })
+            .collect();
+        // Rounding may leave the end short of 1; the steps there that hold nothing stay empty.
+        let last = cumulative.last().copied()?;
+        for c in cumulative.iter_mut().rev().take_while(|c| **c == last) {
+            *c = 1.0;
+        }
+        Some(Self { cumulative })
+    }
+
+    /// Number of steps.
+    pub fn len(&self) -> usize {
+        self.cumulative.len()
+    }
+
+    /// Never: a distribution has at least one step.
+    pub fn is_empty(&self) -> bool {
+        self.cumulative.is_empty()
+    }
+
+    /// The probability of a step.
+    pub fn pmf(&self, step: usize) -> f32 {
+        self.cumulative[step] - self.start(step)
+    }
+
+    /// A step for `u` in [0, 1), and how far into it `u` lies, in [0, 1).
+    pub fn sample_step(&self, u: f32) -> (usize, f32) {
+        let step = self.cumulative.partition_point(|&c| c <= u).min(self.len() - 1);
+        let within = (u - self.start(step)) / self.pmf(step);
+        (step, within.clamp(0.0, 1.0 - 0.5 * f32::EPSILON))
+    }
+
+    fn start(&self, step: usize) -> f32 {
+        if step == 0 { 0.0 } else { self.cumulative[step - 1] }
+    }
+}
+
+/// A density over the unit square with equal cells.
+#[derive(Clone, Debug)]
+pub struct Distribution2d {
+    rows: Distribution1d,
+    /// One for each row; a row that is never drawn has none.
+    columns: Vec<Option<Distribution1d>>,
+}
+
+impl Distribution2d {
+    /// From (`height`, `width`) values, finite and not negative. `None` when their sum is 0.
+    pub fn new(width: usize, values: &[f64]) -> Option<Self> {
+        let rows: Vec<f64> = values.chunks_exact(width).map(|row| row.iter().sum()).collect();
+        Some(Self {
+            rows: Distribution1d::new(rows.iter().copied())?,
+            columns: values
+                .chunks_exact(width)
+                .map(|row| Distribution1d::new(row.iter().copied()))
+                .collect(),
+        })
+    }
+
+    /// A point of the unit square for `u` in [0, 1)², and its density.
+    pub fn sample(&self, u: Vec2) -> Option<(Vec2, f32)> {
+        let (row, v) = self.rows.sample_step(u.y);
+        let columns = self.columns[row].as_ref()?;
+        let (column, x) = columns.sample_step(u.x);
+        let point = Vec2::new(
+            (column as f32 + x) / columns.len() as f32,
+            (row as f32 + v) / self.columns.len() as f32,
+        );
+        Some((point, self.density(column, row)))
+    }
+
+    /// The density at a point of the unit square.
+    pub fn pdf(&self, point: Vec2) -> f32 {
+        let height = self.columns.len();
+        let row = ((point.y * height as f32) as usize).min(height - 1);
+        let Some(columns) = &self.columns[row] else { return 0.0 };
+        let width = columns.len();
+        self.density(((point.x * width as f32) as usize).min(width - 1), row)
+    }
+
+    fn density(&self, column: usize, row: usize) -> f32 {
+        let Some(columns) = &self.columns[row] else { return 0.0 };
+        let cells = columns.len() as f32 * self.columns.len() as f32;
+        self.rows.pmf(row) * columns.pmf(column) * cells
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps are drawn as often as they weigh, and empty ones never, at either end of [0, 1) too.
+    #[test]
+    fn empty_steps_are_never_drawn() {
+        let d = Distribution1d::new([0.0, 1.0, 0.0, 3.0, 0.0].into_iter()).unwrap();
+        let mut counts = [0; 5];
+        let n = 1 << 16;
+        for i in 0..n {
+            let (step, within) = d.sample_step(i as f32 / n as f32);
+            assert!((0.0..1.0).contains(&within));
+            counts[step] += 1;
+        }
+        assert_eq!(counts, [0, n / 4, 0, 3 * n / 4, 0]);
+        assert_eq!(d.sample_step(1.0 - 0.5 * f32::EPSILON).0, 3);
+        assert!(Distribution1d::new([0.0; 3].into_iter()).is_none());
+        assert!(Distribution1d::new([].into_iter()).is_none());
+    }
+
+    /// The returned density is that of the place, and it integrates to 1.
+    #[test]
+    fn densities_agree_and_add_to_one() {
+        let values = [1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0, 1.0, 0.5];
+        let d = Distribution2d::new(3, &values).unwrap();
+        let n = 64;
+        for i in 0..n * n {
+            let u = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
+            let (p, pdf) = d.sample(u).unwrap();
+            assert_eq!(pdf, d.pdf(p));
+            assert!(pdf > 0.0);
+        }
+        let cells = (0..9).map(|i| d.density(i % 3, i / 3) / 9.0);
+        assert!((cells.sum::<f32>() - 1.0).abs() < 1e-6);
+    }
+}

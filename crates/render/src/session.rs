@@ -1,0 +1,212 @@
+//! A rendering that runs: start it, look at it, end it, go on.
+//!
+//! The one render loop there is; command line, window and scripts all hold a
+//! [`Session`]. It works in passes that bring every pixel to the same number
+//! of samples. Where a session was interrupted or continued leaves no trace
+//! in the picture.
+
+use crate::cpu::{Counters, Pass};
+use crate::film::{Dropped, Film};
+use crate::image::Image;
+use crate::prepare::Prepared;
+use crate::scene::SceneProblem;
+use crate::settings::Settings;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// A rendering in the background. Dropping it stops it.
+#[derive(Debug)]
+pub struct Session {
+    shared: Arc<Shared>,
+    worker: Option<JoinHandle<()>>,
+}
+
+/// How far a rendering has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Samples that every pixel has.
+    pub samples: u64,
+    /// Samples that every pixel is to have.
+    pub target: u64,
+    /// True when nothing is being rendered any more: the target is reached, or it was stopped.
+    pub finished: bool,
+    /// Camera paths traced, one for each sample of each pixel.
+    pub paths: u64,
+    /// Rays traced.
+    pub rays: u64,
+    /// Samples that were no numbers.
+    pub dropped: Dropped,
+}
+
+#[derive(Debug)]
+struct Shared {
+    scene: Arc<Prepared>,
+    settings: Settings,
+    threads: usize,
+    film: Film,
+    counters: Counters,
+    /// Leaves the pass in flight undone.
+    stop: AtomicBool,
+    state: Mutex<State>,
+    /// Told whenever `state` changes.
+    changed: Condvar,
+}
+
+#[derive(Debug)]
+struct State {
+    target: u64,
+    /// Set when no further pass shall begin.
+    ending: bool,
+    running: bool,
+}
+
+impl Session {
+    /// Starts rendering `scene` with this many threads (at least one).
+    ///
+    /// # Errors
+    /// What [`Settings::validate`] finds.
+    pub fn start(
+        scene: Arc<Prepared>,
+        settings: Settings,
+        threads: usize,
+    ) -> Result<Self, SceneProblem> {
+        settings.validate()?;
+        let shared = Arc::new(Shared {
+            film: Film::new(settings.window()),
+            state: Mutex::new(State { target: settings.spp, ending: false, running: false }),
+            threads: threads.max(1),
+            counters: Counters::default(),
+            stop: AtomicBool::new(false),
+            changed: Condvar::new(),
+            scene,
+            settings,
+        });
+        let mut session = Self { shared, worker: None };
+        session.resume();
+        Ok(session)
+    }
+
+    /// How far it has come.
+    pub fn progress(&self) -> Progress {
+        let (target, finished) = {
+            let state = self.shared.state();
+            (state.target, !state.running)
+        };
+        Progress {
+            samples: self.shared.film.samples(),
+            target,
+            finished,
+            paths: self.shared.counters.paths.load(Ordering::Relaxed),
+            rays: self.shared.counters.rays.load(Ordering::Relaxed),
+            dropped: self.shared.film.dropped(),
+        }
+    }
+
+    /// The picture so far: channels `R`, `G`, `B`, and the variance of each pixel's mean as
+    /// `variance.R`, `variance.G`, `variance.B`.
+    pub fn snapshot(&self) -> Image {
+        self.shared.film.image()
+    }
+
+    /// Waits until nothing is being rendered any more, but not longer than `timeout`. Returns
+    /// whether it is finished.
+    pub fn wait(&self, timeout: Duration) -> bool {
+        let state = self.shared.state();
+        let (state, _) = self
+            .shared
+            .changed
+            .wait_timeout_while(state, timeout, |state| state.running)
+            .unwrap_or_else(PoisonError::into_inner);
+        !state.running
+    }
+
+    /// Ends the rendering after the pass in flight, so that all pixels have equally many samples.
+    pub fn finish_pass(&self) {
+        self.shared.state().ending = true;
+    }
+
+    /// Ends the rendering as soon as each thread has finished its tile. Pixels may have different
+    /// numbers of samples; [`extend`](Self::extend) evens them out.
+    pub fn cancel(&self) {
+        self.shared.state().ending = true;
+        self.shared.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Goes on to `spp` samples per pixel, or to what was asked for before if that is more.
+    pub fn extend(&mut self, spp: u64) {
+        let mut state = self.shared.state();
+        state.target = state.target.max(spp);
+        state.ending = false;
+        let running = state.running && !self.shared.stop.load(Ordering::Relaxed);
+        drop(state);
+        if !running {
+            self.resume();
+        }
+    }
+
+    /// Starts the background thread anew.
+    fn resume(&mut self) {
+        self.join();
+        self.shared.stop.store(false, Ordering::Relaxed);
+        self.shared.state().running = true;
+        let shared = Arc::clone(&self.shared);
+        self.worker = Some(std::thread::spawn(move || {
+            let _running = Running(&shared);
+            while let Some(until_sample) = shared.next_pass() {
+                let Shared { scene, settings, film, threads, stop, counters, .. } = &*shared;
+                Pass { scene, settings, film, until_sample, threads: *threads, stop, counters }
+                    .run();
+            }
+        }));
+    }
+
+    fn join(&mut self) {
+        if let Some(worker) = self.worker.take() {
+            // A panic in there is a bug of ours; it has been printed, and the picture so far is whole.
+            drop(worker.join());
+        }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.cancel();
+        self.join();
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The number of samples that the next pass brings every pixel to, if there is one. When
+    /// there is none the session no longer counts as running, in the same breath: a target that
+    /// is raised later finds it ended.
+    fn next_pass(&self) -> Option<u64> {
+        /// A pass has at least this many samples in all: enough to outweigh starting threads.
+        const PASS_SAMPLES: u64 = 1 << 17;
+        let window = self.settings.window();
+        let pixels = u64::from(window.width) * u64::from(window.height);
+        let done = self.film.samples();
+        let mut state = self.state();
+        if state.ending || done >= state.target {
+            state.running = false;
+            self.changed.notify_all();
+            return None;
+        }
+        Some(state.target.min(done + PASS_SAMPLES.div_ceil(pixels)))
+    }
+}
+
+/// Marks the session as ended when its thread ends, however that happens.
+struct Running<'a>(&'a Shared);
+
+impl Drop for Running<'_> {
+    fn drop(&mut self) {
+        self.0.state().running = false;
+        self.0.changed.notify_all();
+    }
+}

@@ -1,0 +1,372 @@
+//! Scenes whose light is known in closed form, for every integrator, sampler and setting.
+
+#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
+
+mod common;
+
+use common::{assert_mean, mean, render, small};
+use rutilant::bsdf::Fresnel;
+use rutilant::camera::Perspective;
+use rutilant::color::Rgb;
+use rutilant::film::Filter;
+use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::light::{Environment, Light};
+use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Mirror, Mix};
+use rutilant::scene::Scene;
+use rutilant::settings::{
+    Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
+};
+use rutilant::shape::{Mesh, Object, Shape};
+use std::f64::consts::PI;
+
+const GREY: Rgb = Rgb::grey(0.5);
+
+fn seen_from(position: Vec3, target: Vec3, fov_y: f32) -> Scene {
+    Scene::new(Perspective::look_at(position, target, fov_y).unwrap())
+}
+
+/// Every way there is to compute all light.
+fn all_ways(spp: u64) -> Vec<Settings> {
+    let mut ways = Vec::new();
+    for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
+        let base = Settings { sampler, ..small(spp) };
+        for strategy in [Strategy::Both, Strategy::LightOnly, Strategy::BsdfOnly] {
+            for heuristic in [Heuristic::Balance, Heuristic::Power] {
+                if strategy == Strategy::Both || heuristic == Heuristic::Power {
+                    ways.push(Settings { strategy, heuristic, ..base.clone() });
+                }
+            }
+        }
+        ways.push(Settings { integrator: IntegratorKind::Naive, ..base.clone() });
+        ways.push(Settings { roulette: Roulette::Albedo, ..base.clone() });
+        ways.push(Settings { light_selection: LightSelection::Uniform, ..base });
+    }
+    ways
+}
+
+/// A closed grey room that glows: L = e + a e + a² e + … = e / (1 - a). Lost or doubled light of
+/// any bounce shows here: one-sided lights, roulette that is not made up for, a depth limit.
+#[test]
+fn closed_room_sums_the_series() {
+    for albedo in [0.2, 0.5, 0.8] {
+        for shape in [Shape::Sphere { radius: 2.0 }, Shape::Box { size: Vec3::new(4.0, 3.0, 2.0) }]
+        {
+            let mut scene = seen_from(Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 0.0, 0.0), 1.0);
+            let glow = Emission { two_sided: true, ..Emission::radiance(Rgb::WHITE) };
+            let wall = Material::from(Matte { albedo: Rgb::grey(albedo) }).emitting(glow);
+            let wall = scene.add_material(wall);
+            scene.objects.push(Object::new(shape, wall));
+            for way in all_ways(48) {
+                let image = render(&scene, way.clone());
+                let (mean, error) = mean(&image, "G");
+                let expected = 1.0 / (1.0 - f64::from(albedo));
+                assert!(
+                    (mean - expected).abs() < 4.0 * error + 1e-4 * expected,
+                    "{way:?}: {mean} ± {error}, expected {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// A convex body under a constant sky sends back its albedo, at every point.
+#[test]
+fn convex_bodies_show_their_albedo_under_a_constant_sky() {
+    for shape in [Shape::Sphere { radius: 10.0 }, Shape::Box { size: Vec3::splat(20.0) }] {
+        let mut scene = seen_from(Vec3::new(3.0, 2.0, 30.0), Vec3::ZERO, 0.1);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        let grey = scene.add_material(Matte { albedo: Rgb::grey(0.6) });
+        scene.objects.push(Object::new(shape, grey));
+        for way in all_ways(64) {
+            assert_mean(&render(&scene, way), 0.6, 4.0);
+        }
+    }
+}
+
+/// Glass that absorbs nothing vanishes in the furnace, in every pixel, seen from outside and
+/// from inside, where radiance is larger by the square of the index and all of it is lost again.
+#[test]
+fn clear_glass_vanishes_in_the_furnace() {
+    let shapes = [Shape::Sphere { radius: 1.0 }, Shape::Box { size: Vec3::splat(1.5) }];
+    for shape in shapes {
+        for fresnel in [Fresnel::Exact, Fresnel::Schlick] {
+            let mut scene = seen_from(Vec3::new(0.4, 1.0, 4.0), Vec3::ZERO, 0.7);
+            scene.environment = Some(Environment::constant(Rgb::WHITE));
+            let glass = scene.add_material(Dielectric { fresnel, ..Dielectric::new(1.5) });
+            scene.objects.push(Object::new(shape.clone(), glass));
+            for integrator in [IntegratorKind::Path, IntegratorKind::Naive] {
+                let image = render(&scene, Settings { integrator, ..small(64) });
+                let tolerance = if integrator == IntegratorKind::Path {
+                    1e-3
+                } else {
+                    4.0 * mean(&image, "R").1 + 1e-3
+                };
+                assert!(
+                    (mean(&image, "R").0 - 1.0).abs() < tolerance,
+                    "{shape:?} {:?}",
+                    mean(&image, "R")
+                );
+            }
+        }
+    }
+}
+
+/// Half mirror, half white: nothing is lost at any proportion. The old program multiplied its
+/// light samples by min(1 − s, 0), which is nothing.
+#[test]
+fn mixes_of_white_and_mirror_vanish_in_the_furnace() {
+    for amount in [0.0, 0.3, 0.5, 1.0] {
+        let mut scene = seen_from(Vec3::new(0.4, 1.0, 4.0), Vec3::ZERO, 0.3);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        let first = scene.add_material(Matte { albedo: Rgb::WHITE });
+        let second = scene.add_material(Mirror { reflectance: Rgb::WHITE });
+        let mix = scene.add_material(Mix { first, second, amount });
+        scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, mix));
+        for way in all_ways(64) {
+            assert_mean(&render(&scene, way), 1.0, 4.0);
+        }
+    }
+}
+
+/// A sphere light over a plane: E = π L (R/d)², and a matte plane shows a E / π of it. The old
+/// program's shadow rays hit the light itself and what lay behind it.
+#[test]
+fn sphere_light_over_a_plane() {
+    let mut scene = seen_from(Vec3::new(1.0, 0.5, 1.0), Vec3::ZERO, 0.002);
+    let floor = scene.add_material(Matte { albedo: GREY });
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(10.0)));
+    let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
+    scene
+        .objects
+        .push(Object::new(Shape::Rectangle { size: Vec2::splat(4.0) }, floor).transformed(&flat));
+    scene.objects.push(
+        Object::new(Shape::Sphere { radius: 0.5 }, lamp)
+            .transformed(&Transform::translate(Vec3::new(0.0, 2.0, 0.0))),
+    );
+    // Something behind the light must not shade what is before it.
+    scene.objects.push(
+        Object::new(Shape::Sphere { radius: 0.5 }, floor)
+            .transformed(&Transform::translate(Vec3::new(0.0, 4.0, 0.0))),
+    );
+    let expected = 0.5 * 10.0 * (0.5_f64 / 2.0).powi(2);
+    for way in all_ways(256) {
+        let way = Settings { max_depth: Some(2), ..way };
+        assert_mean(&render(&scene, way), expected, 4.0);
+    }
+    assert_mean(
+        &render(&scene, Settings { integrator: IntegratorKind::Direct, ..small(256) }),
+        expected,
+        4.0,
+    );
+}
+
+/// A point light over a plane: E = I cos θ / d². So too from the distant light.
+#[test]
+fn lights_without_surface_over_a_plane() {
+    let lights = [
+        (Light::Point { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::grey(8.0) }, 2.0),
+        (
+            Light::Directional { direction: Vec3::new(3.0, -4.0, 0.0), irradiance: Rgb::grey(5.0) },
+            4.0,
+        ),
+    ];
+    for (light, irradiance) in lights {
+        let mut scene = seen_from(Vec3::new(1.0, 0.5, 1.0), Vec3::ZERO, 0.002);
+        let floor = scene.add_material(Matte { albedo: GREY });
+        let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
+        scene.objects.push(
+            Object::new(Shape::Rectangle { size: Vec2::splat(4.0) }, floor).transformed(&flat),
+        );
+        scene.lights.push(light);
+        for strategy in [Strategy::Both, Strategy::LightOnly, Strategy::BsdfOnly] {
+            let image = render(&scene, Settings { strategy, ..small(16) });
+            assert_mean(&image, 0.5 / PI * irradiance, 4.0);
+        }
+    }
+}
+
+/// A rectangle's light behind glass, looked at head on.
+fn behind_glass(shape: Shape, absorption: Absorption, lamp_at: Transform) -> Scene {
+    let mut scene = seen_from(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.001);
+    let mut glass = Dielectric::new(1.5);
+    glass.interior.absorption = absorption;
+    let glass = scene.add_material(glass);
+    let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
+    scene.objects.push(Object::new(shape, glass));
+    scene
+        .objects
+        .push(Object::new(Shape::Rectangle { size: Vec2::splat(1.0) }, lamp).transformed(&lamp_at));
+    scene
+}
+
+/// A slab of glass lets through (1 − R)² e^(−σt) / (1 − R² e^(−2σt)), all inner reflections
+/// included; σ may well be above 1 (the old program's was 1 − colour).
+#[test]
+fn slab_transmits_by_fresnel_and_beer() {
+    let thickness = 0.5_f32;
+    let sigmas = [0.0, 0.9, 5.0_f32];
+    let [r, g, b] = sigmas;
+    let fading = |s: f32| rutilant::geom::real::exp(-s * 0.1);
+    let slab = Shape::Box { size: Vec3::new(50.0, 50.0, thickness) };
+    let ways = [
+        Absorption::Coefficient(Rgb::new(r, g, b)),
+        Absorption::ColorAtDistance {
+            color: Rgb::new(fading(r), fading(g), fading(b)),
+            distance: 0.1,
+        },
+    ];
+    for absorption in ways {
+        let scene =
+            behind_glass(slab.clone(), absorption, Transform::translate(Vec3::new(0.0, 0.0, -2.0)));
+        let image = render(&scene, small(4096));
+        for (channel, sigma) in ["R", "G", "B"].into_iter().zip(sigmas.map(f64::from)) {
+            let inside = (-sigma * f64::from(thickness)).exp();
+            let expected = 0.96_f64 * 0.96 * inside / (1.0 - 0.04 * 0.04 * inside * inside);
+            let (mean, error) = mean(&image, channel);
+            assert!(
+                (mean - expected).abs() < 4.0 * error + 1e-3 * expected,
+                "σ {sigma}: {mean} ± {error}, expected {expected}"
+            );
+        }
+    }
+}
+
+/// A right-angled prism of 1.5 turns light by 90° with nothing lost at the hypotenuse.
+#[test]
+fn prism_reflects_totally_at_45_degrees() {
+    let (a, h) = (1.0, 5.0);
+    let corners = [(-a, -a), (a, -a), (-a, a)];
+    let positions =
+        corners.iter().flat_map(|&(x, z)| [Vec3::new(x, -h, -z), Vec3::new(x, h, -z)]).collect();
+    let triangles = vec![
+        [0, 2, 4],
+        [1, 5, 3],
+        [0, 1, 3],
+        [0, 3, 2],
+        [2, 3, 5],
+        [2, 5, 4],
+        [4, 5, 1],
+        [4, 1, 0],
+    ];
+    let prism = Mesh { positions, triangles, ..Mesh::default() };
+    // Light enters through the face at +z, meets the hypotenuse and leaves through that at −x.
+    let lamp_at = Transform::translate(Vec3::new(-3.0, 0.0, 0.0))
+        * Transform::rotate(Vec3::Y, std::f32::consts::FRAC_PI_2);
+    let mut scene = behind_glass(Shape::Sphere { radius: 1e-3 }, Absorption::None, lamp_at);
+    let mesh = scene.add_mesh(prism);
+    scene.objects[0].shape = Shape::Mesh(mesh);
+    let expected = 0.96 * 0.96 / (1.0 - 0.04 * 0.04);
+    assert_mean(&render(&scene, small(1024)), expected, 4.0);
+}
+
+/// What glass reflects on its outside has not been inside: it takes no colour.
+#[test]
+fn outer_reflections_are_not_tinted() {
+    let mut scene = seen_from(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.001);
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    let mut glass = Dielectric::new(1.5);
+    glass.interior.absorption = Absorption::Coefficient(Rgb::new(100.0, 200.0, 300.0));
+    let glass = scene.add_material(glass);
+    scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, glass));
+    assert_mean(&render(&scene, small(4096)), 0.04, 4.0);
+}
+
+/// Inside coloured glass, light that is chosen and light that is met fade alike.
+#[test]
+fn both_ways_of_finding_light_fade_in_a_medium() {
+    let mut scene = seen_from(Vec3::new(0.0, 0.5, 3.0), Vec3::ZERO, 0.6);
+    let mut water = Dielectric::new(1.0);
+    water.interior.absorption = Absorption::Coefficient(Rgb::new(0.4, 0.8, 1.6));
+    let water = scene.add_material(water);
+    let floor = scene.add_material(Matte { albedo: GREY });
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(5.0)));
+    scene.objects.push(Object::new(Shape::Box { size: Vec3::splat(8.0) }, water));
+    scene.objects.push(Object::new(Shape::Sphere { radius: 0.5 }, floor));
+    scene.objects.push(
+        Object::new(Shape::Sphere { radius: 0.4 }, lamp)
+            .transformed(&Transform::translate(Vec3::new(0.0, 1.5, 0.5))),
+    );
+    let by = |strategy| render(&scene, Settings { strategy, ..small(512) });
+    let [light, bsdf] = [by(Strategy::LightOnly), by(Strategy::BsdfOnly)];
+    for channel in ["R", "G", "B"] {
+        let ((a, ea), (b, eb)) = (mean(&light, channel), mean(&bsdf, channel));
+        assert!((a - b).abs() < 4.0 * ea.hypot(eb), "{channel}: {a} ± {ea}, {b} ± {eb}");
+    }
+}
+
+/// A point off the focal plane becomes a disk: of radius A |d − f| / (f d) on a film at distance
+/// 1, and with the second moment R²/4 along each axis. A square lens would give s²/12.
+#[test]
+fn blur_spot_is_a_disk() {
+    let (aperture, focus, distance, source) = (0.1_f64, 2.0_f64, 4.0_f64, 0.008_f64);
+    let fov = 0.2_f64;
+    let mut camera = Perspective::look_at(Vec3::ZERO, Vec3::NEG_Z, fov as f32).unwrap();
+    camera.aperture_radius = aperture as f32;
+    camera.focus_distance = focus as f32;
+    let mut scene = Scene::new(camera);
+    let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
+    let far = Transform::translate(Vec3::new(0.0, 0.0, -distance as f32));
+    let disk = Shape::Disk { radius: source as f32 };
+    scene.objects.push(Object::new(disk, lamp).transformed(&far));
+    let (size, middle) = (256_u32, 96_u32);
+    let first = (size - middle) / 2;
+    let settings = Settings {
+        size: [size; 2],
+        crop: Some(Crop { x: first, y: first, width: middle, height: middle }),
+        spp: 1024,
+        max_depth: Some(1),
+        filter: Filter::Box { radius: 0.5 },
+        ..Settings::default()
+    };
+    let image = render(&scene, settings);
+    let values = image.channel("R").unwrap();
+    let from_center = |i: usize| {
+        let to = |k: usize| k as f64 + 0.5 - 0.5 * f64::from(middle);
+        (to(i % middle as usize), to(i / middle as usize))
+    };
+    let lit = || values.iter().enumerate().map(|(i, &v)| (from_center(i), f64::from(v)));
+    let total: f64 = lit().map(|(_, v)| v).sum();
+
+    let pixels_per_unit = f64::from(size) / (2.0 * (0.5 * fov).tan());
+    let radius = aperture * (distance - focus) / (focus * distance) * pixels_per_unit;
+    let own = source / distance * pixels_per_unit;
+    // The source's own disk and the pixel's square add their moments.
+    let along_x = lit().map(|((x, _), v)| v * x * x).sum::<f64>() / total;
+    let along_y = lit().map(|((_, y), v)| v * y * y).sum::<f64>() / total;
+    for moment in [along_x, along_y] {
+        let measured = (4.0 * (moment - 1.0 / 12.0) - own * own).sqrt();
+        assert!((measured / radius - 1.0).abs() < 0.01, "radius {measured}, expected {radius}");
+    }
+    // It is evenly lit: half the radius holds a quarter of the light.
+    let inner = lit().filter(|((x, y), _)| x.hypot(*y) < 0.5 * radius).map(|(_, v)| v).sum::<f64>();
+    assert!((inner / total - 0.25).abs() < 0.01, "{} of the light in the middle", inner / total);
+}
+
+/// Depth counts segments: 1 is emission alone, 2 direct light, which a separate integrator gives too.
+#[test]
+fn depth_counts_segments() {
+    let mut scene = seen_from(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8);
+    scene.environment = Some(Environment::constant(Rgb::grey(0.3)));
+    let matte = scene.add_material(Matte { albedo: GREY });
+    let glass = scene.add_material(Dielectric::new(1.5));
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(4.0)));
+    let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));
+    for (material, place) in
+        [(matte, at(-1.1, 0.0, 0.0)), (glass, at(1.1, 0.0, 0.0)), (lamp, at(0.0, 1.6, 0.0))]
+    {
+        scene
+            .objects
+            .push(Object::new(Shape::Sphere { radius: 0.8 }, material).transformed(&place));
+    }
+    let with =
+        |integrator, max_depth| render(&scene, Settings { integrator, max_depth, ..small(512) });
+    let (emission, mut black) = (with(IntegratorKind::Path, Some(1)), scene.clone());
+    for material in &mut black.materials[..2] {
+        material.kind = rutilant::material::MaterialKind::Black;
+    }
+    assert_eq!(emission.rgb(), render(&black, Settings { max_depth: Some(1), ..small(512) }).rgb());
+    let (path, direct) = (with(IntegratorKind::Path, Some(2)), with(IntegratorKind::Direct, None));
+    let ((a, ea), (b, eb)) = (mean(&path, "G"), mean(&direct, "G"));
+    assert!((a - b).abs() < 4.0 * ea.hypot(eb), "{a} ± {ea}, {b} ± {eb}");
+    assert!(mean(&emission, "G").0 < a - 10.0 * ea, "direct light adds to emission");
+}

@@ -1,0 +1,331 @@
+//! Proofs over all emitters. A new one joins by a line in `all`.
+
+#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
+
+mod common;
+
+use common::{chi_square, family_wise, random};
+use rutilant::Prepared;
+use rutilant::camera::Perspective;
+use rutilant::color::{Rgb, Spectrum};
+use rutilant::geom::{Ray, Transform, Vec2, Vec3};
+use rutilant::image::Image;
+use rutilant::light::{Emitter, Environment, Light};
+use rutilant::material::Emission;
+use rutilant::scene::Scene;
+use rutilant::shape::{Mesh, Object, Shape};
+
+fn empty() -> Scene {
+    Scene::new(Perspective::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0).unwrap())
+}
+
+/// A scene whose only emitters are one glowing shape's.
+fn glowing(shape: Shape, place: Transform, two_sided: bool) -> Scene {
+    let mut scene = empty();
+    let glow = Emission { two_sided, ..Emission::radiance(Rgb::new(1.0, 2.0, 3.0)) };
+    let lamp = scene.add_material(glow);
+    if shape == Shape::Mesh(rutilant::scene::MeshId(0)) {
+        scene.add_mesh(Mesh {
+            positions: vec![
+                Vec3::new(-0.5, -0.3, 0.0),
+                Vec3::new(0.9, 0.0, 0.2),
+                Vec3::new(0.1, 0.8, -0.1),
+            ],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        });
+    }
+    scene.objects.push(Object::new(shape, lamp).transformed(&place));
+    scene
+}
+
+/// A map with a few bright texels, a dark row, and light at both poles and on the seam.
+fn sky(width: u32, height: u32) -> Image {
+    let pixels: Vec<[f32; 3]> = (0..width * height)
+        .map(|i| match (i % width, i / width) {
+            (x, y) if (x, y) == (width / 3, height / 4) => [40.0, 30.0, 20.0],
+            (0, y) if y == height / 2 => [0.0, 0.0, 8.0],
+            (_, 0) => [1.0, 0.5, 0.2],
+            (_, y) if y == height - 1 => [0.3; 3],
+            (_, y) if y == 2 * height / 3 => [0.0; 3],
+            (x, y) => [0.1 + 0.01 * x as f32, 0.2, 0.02 * y as f32],
+        })
+        .collect();
+    Image::from_rgb(width, height, &pixels).unwrap()
+}
+
+fn under(mut environment: Environment, rotation: f32, image: Option<Image>) -> Scene {
+    let mut scene = empty();
+    environment.rotation = rotation;
+    scene.images.extend(image);
+    scene.environment = Some(environment);
+    scene
+}
+
+/// Every kind of emitter with a density, as a scene in which it is emitter 0, and a point it shines on.
+fn all() -> Vec<(&'static str, Scene, Vec3)> {
+    let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));
+    let tilted = at(0.2, 1.0, -1.5) * Transform::rotate(Vec3::new(1.0, 0.5, 0.2), 1.0);
+    let mesh = Shape::Mesh(rutilant::scene::MeshId(0));
+    let map = || Environment::image(rutilant::scene::ImageId(0));
+    let rectangle = || Shape::Rectangle { size: Vec2::new(0.8, 1.4) };
+    vec![
+        ("triangle", glowing(mesh.clone(), at(0.0, 0.0, -1.0), false), Vec3::new(0.1, 0.2, 0.3)),
+        (
+            "triangle from behind",
+            glowing(mesh, at(0.0, 0.0, -1.0), true),
+            Vec3::new(0.1, 0.2, -3.0),
+        ),
+        ("rectangle", glowing(rectangle(), tilted, true), Vec3::ZERO),
+        (
+            "sheared rectangle",
+            glowing(rectangle(), tilted * Transform::scale(Vec3::new(2.0, -0.5, 1.0)), true),
+            Vec3::ZERO,
+        ),
+        ("disk", glowing(Shape::Disk { radius: 0.7 }, tilted, true), Vec3::ZERO),
+        (
+            "ellipse",
+            glowing(
+                Shape::Disk { radius: 0.7 },
+                tilted * Transform::scale(Vec3::new(-2.0, 0.5, 1.0)),
+                true,
+            ),
+            Vec3::ZERO,
+        ),
+        ("sphere", glowing(Shape::Sphere { radius: 1.0 }, at(0.0, 0.5, -2.0), false), Vec3::ZERO),
+        (
+            "near sphere",
+            glowing(Shape::Sphere { radius: 1.0 }, at(0.0, 0.0, -1.01), false),
+            Vec3::ZERO,
+        ),
+        (
+            "sphere from inside",
+            glowing(Shape::Sphere { radius: 1.0 }, at(0.0, 0.3, -0.5), true),
+            Vec3::ZERO,
+        ),
+        ("constant sky", under(Environment::constant(Rgb::WHITE), 0.0, None), Vec3::ZERO),
+        ("sky map", under(map(), 0.0, Some(sky(24, 12))), Vec3::ZERO),
+        ("turned sky map", under(map(), 2.0, Some(sky(7, 5))), Vec3::ZERO),
+        ("one texel", under(map(), 0.0, Some(sky(1, 1))), Vec3::ZERO),
+    ]
+}
+
+/// The density of the direction `wi` from `from`: that of the emitter where the ray meets it.
+fn pdf(scene: &Prepared, from: Vec3, wi: Vec3) -> f32 {
+    let emitter = &scene.emitters()[0];
+    if matches!(emitter, Emitter::Environment(_)) {
+        return emitter.pdf(from, wi, Vec3::ZERO, Vec3::ZERO);
+    }
+    scene
+        .closest(&Ray::new(from, wi))
+        .map_or(0.0, |hit| emitter.pdf(from, wi, hit.position, hit.normal))
+}
+
+/// Directions to lights follow the density that scattered rays are weighted against: a lost
+/// selection probability or a wrong area (the old program's ½(1 − cos θ) a b) shows here.
+#[test]
+fn samples_follow_the_density() {
+    let all = all();
+    let level = family_wise(all.len());
+    for (stream, (name, scene, from)) in all.iter().enumerate() {
+        let scene = Prepared::new(scene).unwrap();
+        let sample = |_, u| scene.emitters()[0].sample(*from, u).map(|s| s.wi);
+        let p = chi_square(100 + stream as u64, sample, |wi| pdf(&scene, *from, wi));
+        assert!(p > level, "{name}: p = {p:e}");
+    }
+}
+
+/// What sampling says of a direction, its radiance and its density, is what a ray finds there.
+/// The end of the shadow ray lies short of the light, so that the light does not shade itself.
+#[test]
+fn rays_find_what_sampling_promised() {
+    for (name, scene, from) in all() {
+        let prepared = Prepared::new(&scene).unwrap();
+        let mut bent = 0;
+        for i in 0..2000 {
+            let (_, u) = random(21, i);
+            let Some(s) = prepared.emitters()[0].sample(from, u) else { continue };
+            assert!(!prepared.occluded(&s.shadow_ray(from)), "{name}: {s:?} shades itself");
+            let there = pdf(&prepared, from, s.wi);
+            // At the very rim a ray may just miss, and a texel's border may be rounded across.
+            bent += usize::from((there - s.pdf).abs() > 2e-3 * s.pdf);
+        }
+        assert!(bent <= 12, "{name}: {bent} of 2000 densities differ");
+    }
+}
+
+/// The irradiance of every light whose closed form is known, within 0.1 %.
+#[test]
+fn irradiance_has_its_closed_form() {
+    let pi = std::f64::consts::PI;
+    let facing = |z: f32| {
+        Transform::translate(Vec3::new(0.0, 0.0, z))
+            * Transform::rotate(Vec3::X, std::f32::consts::PI)
+    };
+    let point = |light| {
+        let mut scene = empty();
+        scene.lights.push(light);
+        scene
+    };
+    // A rectangle of sides 2a, 2b at distance 1, seen from below its centre: four quarters of the
+    // textbook form factor.
+    let quarter = |a: f64, b: f64| {
+        let (x, y) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+        (a / x * (b / x).atan() + b / y * (a / y).atan()) / (2.0 * pi)
+    };
+    let cases = [
+        ("sphere", glowing(Shape::Sphere { radius: 0.5 }, facing(2.0), false), pi * 0.0625),
+        ("tiny sphere", glowing(Shape::Sphere { radius: 1e-3 }, facing(2.0), false), pi * 0.25e-6),
+        ("huge sphere", glowing(Shape::Sphere { radius: 1e4 }, facing(1.25e4), false), pi * 0.64),
+        ("disk", glowing(Shape::Disk { radius: 0.5 }, facing(1.0), false), pi * 0.2),
+        (
+            "rectangle",
+            glowing(Shape::Rectangle { size: Vec2::new(2.0, 1.0) }, facing(1.0), false),
+            4.0 * pi * quarter(1.0, 0.5),
+        ),
+        (
+            "point",
+            point(Light::Point { position: Vec3::new(0.0, 0.0, 3.0), intensity: Rgb::WHITE }),
+            1.0 / 9.0,
+        ),
+        (
+            "directional",
+            point(Light::Directional {
+                direction: Vec3::new(0.0, 3.0, -4.0),
+                irradiance: Rgb::WHITE,
+            }),
+            0.8,
+        ),
+        ("sky", under(Environment::constant(Rgb::WHITE), 0.0, None), pi),
+    ];
+    for (name, scene, expected) in cases {
+        let scene = Prepared::new(&scene).unwrap();
+        let n = 1000_u32;
+        let mut sum = 0.0;
+        for i in 0..n * n {
+            let u = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
+            if let Some(s) = scene.emitters()[0].sample(Vec3::ZERO, u) {
+                let [red, ..] = s.radiance.channels();
+                sum += f64::from(red * s.wi.z.max(0.0) / s.pdf);
+            }
+        }
+        let irradiance = sum / f64::from(n * n);
+        assert!(
+            (irradiance / expected - 1.0).abs() < 1e-3,
+            "{name}: {irradiance}, expected {expected}"
+        );
+    }
+}
+
+/// One bright texel: it shines from its own direction with its own solid angle.
+#[test]
+fn one_texel_shines_from_its_place() {
+    let (width, height) = (64, 32);
+    let mut pixels = vec![[0.0; 3]; (width * height) as usize];
+    pixels[(5 * width + 40) as usize] = [100.0; 3];
+    let image = Image::from_rgb(width, height, &pixels).unwrap();
+    let scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(image));
+    let scene = Prepared::new(&scene).unwrap();
+    let pi = std::f64::consts::PI;
+    let theta = pi * 5.5 / 32.0;
+    let phi = pi * (2.0 * 40.5 / 64.0 - 1.0);
+    let center = Vec3::new(
+        (theta.sin() * phi.sin()) as f32,
+        theta.cos() as f32,
+        (-theta.sin() * phi.cos()) as f32,
+    );
+    let n = 200_000;
+    let (mut sum, mut mean) = (0.0, Vec3::ZERO);
+    for i in 0..n {
+        let (_, u) = random(31, i);
+        let Some(s) = scene.emitters()[0].sample(Vec3::ZERO, u) else { continue };
+        let [red, ..] = s.radiance.channels();
+        sum += f64::from(red / s.pdf) / n as f64;
+        mean += s.wi * (red / s.pdf);
+    }
+    // The bilinear tent around the texel has the texel's own integral.
+    let solid_angle = 2.0 * pi / 64.0 * ((pi * 5.0 / 32.0).cos() - (pi * 6.0 / 32.0).cos());
+    assert!((sum / (100.0 * solid_angle) - 1.0).abs() < 0.01, "{sum} {}", 100.0 * solid_angle);
+    assert!(mean.normalize().dot(center) > 0.9995, "{mean} {center}");
+}
+
+/// The map's directions: up is the first row, −z the middle, +x right of it; nothing is read
+/// outside the map at the seam and at the poles, where the old program's index was one too far.
+#[test]
+fn directions_meet_their_texels_at_seam_and_poles() {
+    let (width, height) = (8, 4);
+    let pixels: Vec<[f32; 3]> =
+        (0..width * height).map(|i| [(i % width) as f32, (i / width) as f32, 1.0]).collect();
+    let image = Image::from_rgb(width, height, &pixels).unwrap();
+    let scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(image));
+    let scene = Prepared::new(&scene).unwrap();
+    let Emitter::Environment(sky) = &scene.emitters()[0] else {
+        panic!("the sky is the only emitter")
+    };
+    let look = |x: f32, y: f32, z: f32| sky.radiance(Vec3::new(x, y, z).normalize()).channels();
+    let near = |got: [f32; 3], column: f32, row: f32| {
+        (got[0] - column).abs() < 1e-3 && (got[1] - row).abs() < 1e-3
+    };
+    assert!(near(look(0.0, 0.0, -1.0), 3.5, 1.5), "{:?}", look(0.0, 0.0, -1.0));
+    assert!(near(look(1.0, 0.0, 0.0), 5.5, 1.5), "{:?}", look(1.0, 0.0, 0.0));
+    assert!(near(look(-1.0, 0.0, 0.0), 1.5, 1.5), "{:?}", look(-1.0, 0.0, 0.0));
+    // The seam: half way between the last column and the first.
+    assert!(near(look(0.0, 0.0, 1.0), 3.5, 1.5), "{:?}", look(0.0, 0.0, 1.0));
+    assert!(near(look(-0.0, 0.0, 1.0), 3.5, 1.5), "{:?}", look(-0.0, 0.0, 1.0));
+    assert!(near(look(-1e-30, 0.0, 1.0), 3.5, 1.5), "{:?}", look(-1e-30, 0.0, 1.0));
+    // The poles: the mean of opposite columns of the first and last row.
+    let (top, bottom) = (look(0.0, 1.0, 0.0), look(0.0, -1.0, 0.0));
+    assert!(
+        top[1] == 0.0 && bottom[1] == 3.0 && top[2] == 1.0 && bottom[2] == 1.0,
+        "{top:?} {bottom:?}"
+    );
+    for d in [Vec3::new(1e-30, 1.0, 0.0), Vec3::new(0.0, -1.0, 1e-38), Vec3::new(-1e-7, 1.0, 1e-7)]
+    {
+        assert!(sky.radiance(d).is_finite() && sky.pdf(d).is_finite());
+    }
+}
+
+/// Broken pixels of a map give no light and spoil nothing; they are counted.
+#[test]
+fn broken_pixels_are_mended_and_counted() {
+    let pixels = [[1.0; 3], [f32::NAN, 1.0, 1.0], [f32::INFINITY; 3], [-5.0, 1.0, 1.0]];
+    let image = Image::from_rgb(2, 2, &pixels).unwrap();
+    let scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(image));
+    let scene = Prepared::new(&scene).unwrap();
+    assert!(
+        scene.report().notes.iter().any(|n| n.contains("3 pixels")),
+        "{:?}",
+        scene.report().notes
+    );
+    for i in 0..1000 {
+        let s = scene.emitters()[0].sample(Vec3::ZERO, random(1, i).1);
+        assert!(s.is_none_or(
+            |s| s.radiance.is_finite() && s.radiance.channels().iter().all(|&c| c >= 0.0)
+        ));
+    }
+}
+
+/// The power of a lamp is what it was given, however it is scaled and on how many sides it shines.
+#[test]
+fn power_is_what_was_asked_for() {
+    use rutilant::material::EmittedLight;
+    for two_sided in [false, true] {
+        for shape in [
+            Shape::Sphere { radius: 0.3 },
+            Shape::Box { size: Vec3::new(1.0, 2.0, 3.0) },
+            Shape::Rectangle { size: Vec2::ONE },
+        ] {
+            let mut scene = empty();
+            let light = EmittedLight::Power(Rgb::new(60.0, 50.0, 40.0));
+            let lamp = scene.add_material(Emission { light, two_sided });
+            scene.objects.push(
+                Object::new(shape.clone(), lamp).transformed(&Transform::scale(Vec3::splat(3.0))),
+            );
+            let scene = Prepared::new(&scene).unwrap();
+            let total = scene.emitters().iter().fold(Spectrum::BLACK, |sum, e| sum + e.power(1.0));
+            for (got, expected) in total.channels().into_iter().zip([60.0, 50.0, 40.0]) {
+                assert!((got / expected - 1.0).abs() < 1e-4, "{shape:?}: {total:?}");
+            }
+        }
+    }
+}
