@@ -418,6 +418,23 @@ fn lying_headers_take_no_memory() {
     );
 }
 
+/// A small EXR file with halves, floats and uints in a given code.
+fn coded_exr(encoding: exr::prelude::Encoding) -> Vec<u8> {
+    use exr::prelude::*;
+    let channels = AnyChannels::sort(
+        vec![
+            AnyChannel::new("R", FlatSamples::F16((0..70_u8).map(f16::from).collect())),
+            AnyChannel::new("G", FlatSamples::F32((0..70).map(|i| i as f32).collect())),
+            AnyChannel::new("B", FlatSamples::U32((0..70).collect())),
+        ]
+        .into(),
+    );
+    let layer = Layer::new((10, 7), LayerAttributes::default(), encoding, channels);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    exr::image::Image::from_layer(layer).write().to_buffered(&mut bytes).expect("written");
+    bytes.into_inner()
+}
+
 /// Small files of every format and of several kinds of code.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let options = WriteOptions {
@@ -432,6 +449,13 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let mut samples = vec![("old.hdr", old_hdr)];
     for name in ["a.exr", "a.hdr", "a.pfm"] {
         samples.push((name, round_trip(name, Pixels::Light(&light), &options).0));
+    }
+    for (name, encoding) in [
+        ("piz.exr", exr::prelude::Encoding::SMALL_LOSSLESS),
+        ("tiles.exr", exr::prelude::Encoding::FAST_LOSSLESS),
+        ("plain.exr", exr::prelude::Encoding::UNCOMPRESSED),
+    ] {
+        samples.push((name, coded_exr(encoding)));
     }
     for name in ["a.png", "a.jpg"] {
         samples.push((name, round_trip(name, display, &options).0));

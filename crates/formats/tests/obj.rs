@@ -181,8 +181,8 @@ fn missing_normals_are_flat() {
     assert_eq!(
         scene.notes,
         [
-            "a.obj: 1 of 2 triangles of no material have no texture coordinates: they get (0, 0)",
-            "a.obj: 1 of 2 triangles of no material have no normals: they are shaded flat",
+            "a.obj: triangles of no material without texture coordinates, given (0, 0): 1 of 2",
+            "a.obj: triangles of no material without normals, shaded flat: 1 of 2",
         ]
     );
     let other = &scene.meshes[1].0;
@@ -198,10 +198,10 @@ fn what_is_left_out_is_said_once() {
     assert_eq!(
         scene.notes,
         [
-            "a.obj:5:1: 3 points and lines left out",
-            "a.obj:10:1: 2 statements of free-form curves and surfaces left out",
-            "a.obj:8:1: 2 faces with fewer than 3 corners left out",
-            "a.obj:12:1: 2 unknown statements like \"frob\" left out",
+            "a.obj:5:1: points and lines, left out: 3",
+            "a.obj:10:1: statements of free-form curves and surfaces, left out: 2",
+            "a.obj:8:1: faces with fewer than 3 corners, left out: 2",
+            "a.obj:12:1: unknown statements like \"frob\", left out: 2",
         ]
     );
     let empty = read("# nothing\n");
@@ -420,7 +420,7 @@ fn changes_to_materials_are_noted() {
         (
             "newmtl m\nKd 0",
             matte(0.8, 0.8, 0.8),
-            "a.mtl:2: 1 materials come again and are left out, first \"m\"",
+            "a.mtl:2: materials that come again, left out: 1 (first \"m\")",
         ),
         (
             "Ke -1 0 0",
@@ -494,7 +494,7 @@ fn material_files_are_found() {
     );
     let unknown = format!("mtllib b.mtl\nusemtl x\n{FACE}usemtl b\nusemtl y\n");
     let scene = read_with(&unknown, &[b]).expect("a note, not an error");
-    assert_eq!(scene.notes, ["a.obj: 2 of its materials are in no MTL file, the first is \"x\""]);
+    assert_eq!(scene.notes, ["a.obj: materials that are in no MTL file: 2 (first \"x\")"]);
 }
 
 /// A symbolic link must not lead out of the folder of the scene.

@@ -148,10 +148,7 @@ fn polygons_are_cut() {
     let (mesh, notes) = read(&file(header, body));
     assert_eq!(mesh.triangles[..2], [[0, 1, 3], [1, 2, 3]]);
     assert_eq!(mesh.triangles.len(), 2 + 4);
-    assert_eq!(
-        notes,
-        ["a.ply: 1 faces with fewer than 3 vertices are left out, the first is face 2"]
-    );
+    assert_eq!(notes, ["a.ply: faces with fewer than 3 vertices, left out: 1 (first face 2)"]);
 }
 
 /// Strips: every second triangle is turned, −1 begins anew, and stitches are left out.
@@ -187,7 +184,7 @@ fn point_clouds_are_noted() {
     assert_eq!(
         notes,
         [
-            "a.ply: 2 bytes after the last element are left out",
+            "a.ply: bytes after the last element, left out: 2",
             "a.ply: there are no faces in it, so nothing of it can be seen"
         ]
     );

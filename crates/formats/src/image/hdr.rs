@@ -53,19 +53,15 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
         })?;
     }
 
-    let channel = |c: usize, name: &str| {
-        let value = |i: usize| decode(pixels[i])[c];
-        Channel {
-            name: name.to_owned(),
-            values: if layout.is_usual() {
-                (0..pixels.len()).map(value).collect()
-            } else {
-                (0..pixels.len()).map(|i| value(layout.source(i))).collect()
-            },
+    let mut channels = ["R", "G", "B"]
+        .map(|name| Channel { name: name.to_owned(), values: Vec::with_capacity(pixels.len()) });
+    for i in 0..pixels.len() {
+        let pixel = if layout.is_usual() { pixels[i] } else { pixels[layout.source(i)] };
+        for (channel, value) in channels.iter_mut().zip(decode(pixel)) {
+            channel.values.push(value);
         }
-    };
-    let channels = vec![channel(0, "R"), channel(1, "G"), channel(2, "B")];
-    Image::new(width, height, channels).ok_or_else(|| "too large".to_owned())
+    }
+    Image::new(width, height, channels.into()).ok_or_else(|| "too large".to_owned())
 }
 
 pub(super) fn write(image: &Image, options: &WriteOptions) -> Result<Vec<u8>, String> {
@@ -114,7 +110,7 @@ fn decode([r, g, b, e]: Rgbe) -> [f32; 3] {
 /// The nearest pixel. What has no place in it, negative values and NaN, becomes 0; too large ones
 /// become the largest.
 fn encode(color: [f32; 3]) -> Rgbe {
-    let color = color.map(|c| f64::from(c.max(0.0).min(f32::MAX)));
+    let color = color.map(|c| if c > 0.0 { f64::from(c.min(f32::MAX)) } else { 0.0 });
     let largest = color[0].max(color[1]).max(color[2]);
     if largest < f64::from(f32::MIN_POSITIVE) {
         return [0; 4];

@@ -1,7 +1,8 @@
 //! JPEG: photographs, with loss.
 //!
 //! The decoder's variants for particular processors are switched off, so that
-//! a texture has the same bits on every machine.
+//! a texture has the same bits on every machine. Colour profiles and the
+//! orientation in EXIF data are not looked at.
 //!
 //! Source: ITU-T T.81, 1992; JFIF 1.02.
 

@@ -92,7 +92,7 @@ pub fn write<'a>(
         (Format::Hdr, Pixels::Light(image)) => hdr::write(image, options),
         (Format::Pfm, Pixels::Light(image)) => pfm::write(image),
         (Format::Png | Format::Jpeg, Pixels::Display { rgb8, .. })
-            if rgb8.len() as u64 != 3 * u64::from(width) * u64::from(height) =>
+            if rgb8.len() as u128 != 3 * u128::from(width) * u128::from(height) =>
         {
             Err(format!("{} bytes are not 3 for each of {width}x{height} pixels", rgb8.len()))
         }
@@ -111,7 +111,7 @@ pub fn write<'a>(
     replace(path, &bytes).map_err(|e| error(format!("cannot write: {e}")))
 }
 
-/// Checks that [`write`] to `path` will most likely succeed, so that nobody waits for a picture
+/// Checks that [`write()`] to `path` will most likely succeed, so that nobody waits for a picture
 /// that cannot be kept. Touches nothing that is there.
 ///
 /// # Errors
@@ -218,7 +218,7 @@ impl Format {
     }
 
     /// Whether files of this format hold colours encoded for a display, 8 bits each, rather than
-    /// light: what [`write`] wants as [`Pixels::Display`].
+    /// light: what [`write()`] wants as [`Pixels::Display`].
     pub fn is_for_display(self) -> bool {
         match self {
             Self::Exr | Self::Hdr | Self::Pfm => false,
@@ -245,10 +245,11 @@ fn extension(path: &Path) -> String {
 
 /// Runs a decoder or an encoder, and makes an error of a panic.
 ///
-/// Our own do not panic, and the libraries below them are not known to. But
-/// they are large and read what strangers wrote: this is the last net, so that
-/// a picture never takes the program with it. What the panicking code had in
-/// its hands is dropped, so nothing broken is seen afterwards.
+/// Our own do not panic, and the libraries below them hardly do: in millions of
+/// damaged files one assertion was seen to fail, in debug builds, in a tiled
+/// EXR. But they are large and read what strangers wrote. This is the last
+/// net, so that a picture never takes the program with it. What the panicking
+/// code had in its hands is dropped, so nothing broken is seen afterwards.
 fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
         Err("the decoder stumbled over this file; please report it as a bug".to_owned())

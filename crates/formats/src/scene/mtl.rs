@@ -134,7 +134,7 @@ impl<'a> Parser<'a> {
         }
 
         if let Some((count, first, name)) = self.repeated.take() {
-            let what = format!("{count} materials come again and are left out, first {name}");
+            let what = format!("materials that come again, left out: {count} (first {name})");
             self.note(first, &what);
         }
         for (keyword, (count, first)) in std::mem::take(&mut self.left_out) {

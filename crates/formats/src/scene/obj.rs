@@ -45,6 +45,8 @@ pub struct ObjScene {
 pub fn read(path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
     let bytes = file::bytes(path, limits).map_err(|refused| text::refused(path, refused))?;
     let mut parsed = parse(&bytes, path, limits)?;
+    // What follows needs memory, and the text no more.
+    drop(bytes);
 
     parsed.read_libraries()?;
     parsed.build()
@@ -107,9 +109,9 @@ fn push_sparse(array: &mut Vec<u32>, length: usize, value: u32) {
 }
 
 /// A file that has been walked through.
-struct Parsed<'a> {
-    path: &'a Path,
-    limits: &'a Limits,
+struct Parsed<'p> {
+    path: &'p Path,
+    limits: &'p Limits,
     positions: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
@@ -121,11 +123,7 @@ struct Parsed<'a> {
     scene: ObjScene,
 }
 
-fn parse<'a>(
-    bytes: &'a [u8],
-    path: &'a Path,
-    limits: &'a Limits,
-) -> Result<Parsed<'a>, SceneError> {
+fn parse<'p>(bytes: &[u8], path: &'p Path, limits: &'p Limits) -> Result<Parsed<'p>, SceneError> {
     let mut parser = Parser {
         bytes,
         cursor: Cursor::new(bytes),
@@ -154,10 +152,10 @@ fn parse<'a>(
     Ok(parser.out)
 }
 
-struct Parser<'a> {
-    bytes: &'a [u8],
-    cursor: Cursor<'a>,
-    out: Parsed<'a>,
+struct Parser<'b, 'p> {
+    bytes: &'b [u8],
+    cursor: Cursor<'b>,
+    out: Parsed<'p>,
     /// Scratch: the corners of a face, and their positions.
     face: Vec<Corner>,
     corners: Vec<Vec3>,
@@ -195,7 +193,7 @@ impl Count {
     }
 }
 
-impl<'a> Parser<'a> {
+impl Parser<'_, '_> {
     fn lines(&mut self) -> Result<(), SceneError> {
         let mut known = false;
         while self.cursor.peek().is_some() {
@@ -434,12 +432,12 @@ impl<'a> Parser<'a> {
         for (Count { count, first }, what) in kinds {
             if count > 0 {
                 let source = place(self.out.path, self.bytes, first);
-                self.out.scene.notes.push(format!("{source}: {count} {what} left out"));
+                self.out.scene.notes.push(format!("{source}: {what}, left out: {count}"));
             }
         }
         if self.cuts.cut_short > 0 {
             self.out.note(&format!(
-                "{} faces with very many corners are cut into fans",
+                "faces with very many corners, cut into fans: {}",
                 self.cuts.cut_short
             ));
         }
@@ -479,9 +477,7 @@ impl Parsed<'_> {
         if let Some(first) = unknown.next().filter(|_| !none) {
             let first = quoted(first.as_bytes());
             let count = 1 + unknown.count();
-            self.note(&format!(
-                "{count} of its materials are in no MTL file, the first is {first}"
-            ));
+            self.note(&format!("materials that are in no MTL file: {count} (first {first})"));
         }
         Ok(())
     }
@@ -594,14 +590,13 @@ impl Parsed<'_> {
         let [no_uv, no_normal] = without;
         if no_uv > 0 {
             notes.push(format!(
-                "{path}: {no_uv} of {all} triangles of {material} have no texture coordinates: \
-                 they get (0, 0)"
+                "{path}: triangles of {material} without texture coordinates, given (0, 0): \
+                 {no_uv} of {all}"
             ));
         }
         if no_normal > 0 {
             notes.push(format!(
-                "{path}: {no_normal} of {all} triangles of {material} have no normals: they are \
-                 shaded flat"
+                "{path}: triangles of {material} without normals, shaded flat: {no_normal} of {all}"
             ));
         }
         Ok(mesh)

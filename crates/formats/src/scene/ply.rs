@@ -513,7 +513,7 @@ impl Reader<'_> {
         }
         if !body.is_done() {
             let left = body.left();
-            self.note(format!("{left} bytes after the last element are left out"));
+            self.note(&format!("bytes after the last element, left out: {left}"));
         }
         if let Some(at) = waiting {
             body.go_to(at);
@@ -530,16 +530,16 @@ impl Reader<'_> {
 
         // What the caller should know.
         if let Some((count, first)) = self.too_small {
-            self.note(format!(
-                "{count} faces with fewer than 3 vertices are left out, the first is face {first}"
+            self.note(&format!(
+                "faces with fewer than 3 vertices, left out: {count} (first face {first})"
             ));
         }
         if self.cuts.cut_short > 0 {
             let count = self.cuts.cut_short;
-            self.note(format!("{count} faces with very many vertices are cut into fans"));
+            self.note(&format!("faces with very many vertices, cut into fans: {count}"));
         }
         if self.mesh.triangles.is_empty() {
-            self.note("there are no faces in it, so nothing of it can be seen".to_owned());
+            self.note("there are no faces in it, so nothing of it can be seen");
         }
         Ok(())
     }
@@ -856,11 +856,11 @@ impl Reader<'_> {
         if !names.is_empty() {
             let dots = if unread.next().is_some() { ", …" } else { "" };
             let names = names.join(", ");
-            self.note(format!("properties of \"{}\" left out: {names}{dots}", element.name));
+            self.note(&format!("properties of \"{}\" left out: {names}{dots}", element.name));
         }
     }
 
-    fn note(&mut self, what: String) {
+    fn note(&mut self, what: &str) {
         self.notes.push(format!("{}: {what}", self.path.display()));
     }
 
