@@ -1,7 +1,9 @@
 //! How a scene is to be rendered: everything about the picture but what is in it.
 
+pub use crate::film::Crop;
+
 use crate::film::Filter;
-use crate::scene::{Place, SceneProblem};
+use crate::problem::{Place, SceneProblem};
 
 /// The settings of one rendering. Together with the scene they decide every bit of the image.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,16 +51,6 @@ impl Default for Settings {
             light_selection: LightSelection::Power,
         }
     }
-}
-
-/// A window of pixels: column and row of its first, then width and height.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "each is what it says")]
-pub struct Crop {
-    pub x: u32,
-    pub y: u32,
-    pub width: u32,
-    pub height: u32,
 }
 
 /// What is computed for each camera ray.

@@ -1,7 +1,5 @@
 //! Proofs over all maps from the unit square. A new one joins by a line.
 
-#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
-
 mod common;
 
 use common::{chi_square, family_wise, random};

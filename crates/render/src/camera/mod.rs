@@ -5,7 +5,7 @@ mod perspective;
 pub use perspective::Perspective;
 pub(crate) use perspective::PreparedPerspective;
 
-use crate::scene::SceneProblem;
+use crate::problem::SceneProblem;
 use rutilant_geom::{Ray, Vec2};
 
 /// A camera as the author describes it.

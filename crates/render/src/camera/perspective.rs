@@ -8,7 +8,7 @@
 //! Square", JGT 2(3), 1997.
 
 use crate::math::warp;
-use crate::scene::{FINITE, NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
+use crate::problem::{FINITE, NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
 use rutilant_geom::{Ray, Transform, Vec2, Vec3, real};
 
 /// A camera that sees a pyramid in front of it.

@@ -9,7 +9,7 @@
 //! SIGGRAPH 1988; Harris, "On the Use of Windows for Harmonic Analysis",
 //! Proc. IEEE 66(1), 1978.
 
-use crate::scene::{Place, SceneProblem};
+use crate::problem::{Place, SceneProblem};
 use rutilant_geom::{Vec2, real};
 
 /// How samples weigh around a pixel's centre. All are separable; radii are in pixels.

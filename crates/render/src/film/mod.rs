@@ -4,14 +4,15 @@
 //! meet. A pixel adds its samples in the order of their numbers; how the
 //! samples were spread over passes and threads leaves no trace in the sums.
 
+mod crop;
 mod filter;
 
+pub use crop::Crop;
 pub use filter::Filter;
 pub(crate) use filter::FilterSampler;
 
 use crate::color::Spectrum;
 use crate::image::{Channel, Image};
-use crate::settings::Crop;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Side of a tile in pixels.

@@ -1,7 +1,7 @@
 //! Pictures that explain a scene: normals, albedo, depth, ambient occlusion.
 
-use super::Integrator;
 use super::dimension::Bounce;
+use super::estimate::Integrator;
 use crate::color::Spectrum;
 use crate::math::warp;
 use crate::prepare::Prepared;

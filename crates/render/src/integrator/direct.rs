@@ -3,9 +3,9 @@
 //! Written apart from [`Path`](super::Path), which gives the same picture at a depth of 2: light
 //! samples alone on rough surfaces, scattered rays alone on mirrors and glass.
 
-use super::Integrator;
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
+use super::estimate::Integrator;
 use super::path::transmittance;
 use crate::color::Spectrum;
 use crate::light::EmitterSelection;

@@ -1,73 +1,15 @@
 //! What is computed along each camera ray.
 
 mod debug;
+pub(crate) mod dimension;
 mod direct;
 mod emission;
+mod estimate;
 mod naive;
 mod path;
 
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
 pub(crate) use direct::Direct;
+pub(crate) use estimate::Integrator;
 pub(crate) use naive::Naive;
 pub(crate) use path::Path;
-
-use crate::color::Spectrum;
-use crate::prepare::Prepared;
-use crate::sampler::Sampler;
-use rutilant_geom::Ray;
-
-/// Gives the radiance that one ray brings, estimated once.
-pub(crate) trait Integrator: Sync {
-    /// The radiance arriving along `ray` (of unit direction), in W/(m² sr), or what else the
-    /// integrator shows. Counts the rays it traces.
-    fn radiance<S: Sampler>(
-        &self,
-        scene: &Prepared,
-        ray: Ray,
-        sampler: &S,
-        rays: &mut u64,
-    ) -> Spectrum;
-}
-
-/// The decisions along a path, each with numbers of its own.
-pub(crate) mod dimension {
-    /// Where within the pixel's filter.
-    pub(crate) const FILM: u32 = 0;
-    /// Where on the lens.
-    pub(crate) const LENS: u32 = 1;
-
-    /// The decisions at the end of a path's `depth`-th segment, from 1.
-    #[derive(Clone, Copy)]
-    pub(crate) struct Bounce(u32);
-
-    impl Bounce {
-        pub(crate) fn at(depth: u32) -> Self {
-            Self(2 + 5 * depth.wrapping_sub(1))
-        }
-
-        /// Which of the BSDF's ways to scatter.
-        pub(crate) fn lobe(self) -> u32 {
-            self.0
-        }
-
-        /// The scattered direction.
-        pub(crate) fn direction(self) -> u32 {
-            self.0.wrapping_add(1)
-        }
-
-        /// Which light.
-        pub(crate) fn light(self) -> u32 {
-            self.0.wrapping_add(2)
-        }
-
-        /// Where on that light.
-        pub(crate) fn light_point(self) -> u32 {
-            self.0.wrapping_add(3)
-        }
-
-        /// Whether the path goes on.
-        pub(crate) fn roulette(self) -> u32 {
-            self.0.wrapping_add(4)
-        }
-    }
-}

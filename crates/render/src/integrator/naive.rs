@@ -4,9 +4,9 @@
 //! only. It is written apart from [`Path`](super::Path) on purpose: the two must agree.
 //! Lights without a surface are never found.
 
-use super::Integrator;
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
+use super::estimate::Integrator;
 use super::path::transmittance;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;

@@ -10,9 +10,9 @@
 //! Source: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, *Robust
 //! Monte Carlo Methods for Light Transport Simulation*, 1997, chapters 8 to 10.
 
-use super::Integrator;
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
+use super::estimate::Integrator;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;

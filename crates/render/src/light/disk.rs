@@ -1,6 +1,6 @@
 //! A glowing disk or ellipse, sampled uniformly over its area.
 
-use super::emitter::{EmitterSample, Glow, area_to_solid_angle};
+use super::sample::{EmitterSample, Glow, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
 use rutilant_geom::{Disk, Vec2, Vec3};

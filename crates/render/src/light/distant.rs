@@ -1,6 +1,6 @@
 //! A light infinitely far away in one direction: the sun, made small.
 
-use super::emitter::EmitterSample;
+use super::sample::EmitterSample;
 use crate::color::Spectrum;
 use rutilant_geom::Vec3;
 use std::f32::consts::PI;

@@ -1,81 +1,95 @@
-//! What all emitters share: what sampling returns, and the light of a glowing surface.
+//! Everything that light is sampled from, as one type.
 
+use super::disk::DiskEmitter;
+use super::distant::DistantEmitter;
+use super::environment::EnvironmentEmitter;
+use super::point::PointEmitter;
+use super::sample::{EmitterSample, Glow};
+use super::sphere::SphereEmitter;
+use super::triangle::{ParallelogramEmitter, TriangleEmitter};
 use crate::color::Spectrum;
-use rutilant_geom::{Ray, Vec3, offset_origin};
+use rutilant_geom::{Vec2, Vec3};
 
-/// A way to a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmitterSample {
-    /// The direction to the light, a unit vector.
-    pub wi: Vec3,
-    /// Radiance arriving from there if nothing is in the way, W/(m² sr); for a delta already
-    /// divided by its density: an irradiance on a surface facing it.
-    pub radiance: Spectrum,
-    /// Density of `wi` in 1/sr; 1 for a delta.
-    pub pdf: f32,
-    /// True when no ray could have found this light by chance.
-    pub delta: bool,
-    /// The point that shines; `None` for infinitely far away. A ray up to there does not meet
-    /// the light itself.
-    pub end: Option<Vec3>,
+/// Something to sample light from.
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    /// A point.
+    Point(PointEmitter),
+    /// A direction.
+    Distant(DistantEmitter),
+    /// A glowing triangle.
+    Triangle(TriangleEmitter),
+    /// A glowing parallelogram.
+    Parallelogram(ParallelogramEmitter),
+    /// A glowing disk or ellipse.
+    Disk(DiskEmitter),
+    /// A glowing sphere.
+    Sphere(SphereEmitter),
+    /// The sky.
+    Environment(EnvironmentEmitter),
 }
 
-impl EmitterSample {
-    /// The ray that must be free for the light to arrive at `origin`.
-    pub fn shadow_ray(&self, origin: Vec3) -> Ray {
-        match self.end {
-            Some(end) => Ray::between(origin, end),
-            None => Ray::new(origin, self.wi),
+impl Emitter {
+    /// Draws a way to this light from `from`, for `u` in [0, 1)². `None` where no light arrives.
+    pub fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+        match self {
+            Self::Point(e) => e.sample(from),
+            Self::Distant(e) => Some(e.sample()),
+            Self::Triangle(e) => e.sample(from, u),
+            Self::Parallelogram(e) => e.sample(from, u),
+            Self::Disk(e) => e.sample(from, u),
+            Self::Sphere(e) => e.sample(from, u),
+            Self::Environment(e) => e.sample(u),
         }
     }
-}
 
-/// The light of a glowing surface: the same at every point and in every direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glow {
-    /// Radiance in W/(m² sr).
-    pub radiance: Spectrum,
-    /// Whether the back glows as well.
-    pub two_sided: bool,
-}
-
-impl Glow {
-    /// Radiance that leaves along `wo` from a surface with geometric normal `normal`.
-    pub fn towards(&self, wo: Vec3, normal: Vec3) -> Spectrum {
-        if self.two_sided || wo.dot(normal) > 0.0 { self.radiance } else { Spectrum::BLACK }
+    /// The density, in 1/sr, with which [`sample`](Self::sample) draws the direction `wi` from
+    /// `from`, which is known to meet the light at `position` with geometric `normal` there.
+    /// Both are unused by lights at infinity. Zero for lights that no ray can meet.
+    pub fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
+        match self {
+            Self::Point(_) | Self::Distant(_) => 0.0,
+            Self::Triangle(e) => e.pdf(from, wi, position, normal),
+            Self::Parallelogram(e) => e.pdf(from, wi, position, normal),
+            Self::Disk(e) => e.pdf(from, wi, position, normal),
+            Self::Sphere(e) => e.pdf(from, wi, position, normal),
+            Self::Environment(e) => e.pdf(wi),
+        }
     }
 
-    /// Emitted power in W of a surface of `area` m².
-    pub fn power(&self, area: f32) -> Spectrum {
-        let sides = if self.two_sided { 2.0 } else { 1.0 };
-        self.radiance * (std::f32::consts::PI * area * sides)
+    /// The light of a surface that rays can meet; `None` for lights without a surface.
+    pub fn glow(&self) -> Option<&Glow> {
+        match self {
+            Self::Point(_) | Self::Distant(_) | Self::Environment(_) => None,
+            Self::Triangle(e) => Some(e.glow()),
+            Self::Parallelogram(e) => Some(e.glow()),
+            Self::Disk(e) => Some(e.glow()),
+            Self::Sphere(e) => Some(&e.glow),
+        }
     }
 
-    /// The sample that stands for `point` on the surface, drawn with density `1 / area`, seen
-    /// from `from`. `None` where no light arrives.
-    pub(super) fn sample_at(
-        &self,
-        from: Vec3,
-        point: Vec3,
-        normal: Vec3,
-        area: f32,
-    ) -> Option<EmitterSample> {
-        let way = point - from;
-        let wi = way.try_normalize()?;
-        let radiance = self.towards(-wi, normal);
-        let pdf = area_to_solid_angle(1.0 / area, way, wi, normal);
-        (!radiance.is_black() && pdf > 0.0 && pdf.is_finite()).then(|| EmitterSample {
-            wi,
-            radiance,
-            pdf,
-            delta: false,
-            end: Some(offset_origin(point, normal, -wi)),
-        })
+    /// Emitted power in W per channel. `scene_radius` bounds what lights at infinity shine on.
+    pub fn power(&self, scene_radius: f32) -> Spectrum {
+        match self {
+            Self::Point(e) => e.power(),
+            Self::Distant(e) => e.power(scene_radius),
+            Self::Triangle(e) => e.power(),
+            Self::Parallelogram(e) => e.power(),
+            Self::Disk(e) => e.power(),
+            Self::Sphere(e) => e.power(),
+            Self::Environment(e) => e.power(scene_radius),
+        }
     }
-}
 
-/// A density per m² on a surface as a density per sr, seen over the vector `way` of direction `wi`.
-pub(super) fn area_to_solid_angle(pdf_area: f32, way: Vec3, wi: Vec3, normal: Vec3) -> f32 {
-    let cos = wi.dot(normal).abs();
-    if cos > 0.0 { pdf_area * way.length_squared() / cos } else { 0.0 }
+    /// True for lights that shine on everything from infinitely far away.
+    pub fn is_infinite(&self) -> bool {
+        match self {
+            Self::Distant(_) | Self::Environment(_) => true,
+            Self::Point(_)
+            | Self::Triangle(_)
+            | Self::Parallelogram(_)
+            | Self::Disk(_)
+            | Self::Sphere(_) => false,
+        }
+    }
 }

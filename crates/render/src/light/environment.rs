@@ -9,12 +9,13 @@
 //! Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 //! section 12.5.
 
-use super::emitter::EmitterSample;
+use super::sample::EmitterSample;
 use crate::color::{Rgb, Spectrum};
+use crate::id::ImageId;
 use crate::image::Image;
 use crate::math::distribution::Distribution2d;
 use crate::math::warp;
-use crate::scene::{FINITE, ImageId, NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{FINITE, NOT_NEGATIVE, Place, SceneProblem};
 use rutilant_geom::{Vec2, Vec3, real};
 use std::f32::consts::{FRAC_1_PI, PI};
 

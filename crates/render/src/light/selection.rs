@@ -7,7 +7,7 @@
 //!
 //! Choosing takes the shading point, so that a light tree can stand here.
 
-use super::Emitter;
+use super::emitter::Emitter;
 use crate::math::distribution::Distribution1d;
 use crate::settings::LightSelection;
 use rutilant_geom::Vec3;

@@ -7,7 +7,7 @@
 //! Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 //! section 6.2.4.
 
-use super::emitter::{EmitterSample, Glow, area_to_solid_angle};
+use super::sample::{EmitterSample, Glow, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
 use rutilant_geom::{Frame, Sphere, Vec2, Vec3, offset_origin, real};

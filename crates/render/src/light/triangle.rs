@@ -3,7 +3,7 @@
 //! Points are combined in double precision and rounded once, so that they lie
 //! as close to the surface as a hit does.
 
-use super::emitter::{EmitterSample, Glow, area_to_solid_angle};
+use super::sample::{EmitterSample, Glow, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
 use rutilant_geom::{Vec2, Vec3};

@@ -1,7 +1,7 @@
 //! Smooth metal, with the reflection that its complex index of refraction gives.
 
 use crate::color::Rgb;
-use crate::scene::{NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{NOT_NEGATIVE, Place, SceneProblem};
 
 /// A smooth metal seen from a medium of index 1. The index is `eta + i k`, per channel.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::bsdf::Fresnel;
 use crate::color::{Rgb, Spectrum};
-use crate::scene::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
+use crate::problem::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
 use rutilant_geom::real;
 
 /// A smooth border. The interior is where the surface normals point away from.

@@ -1,7 +1,7 @@
 //! Light that a surface gives by itself.
 
 use crate::color::Rgb;
-use crate::scene::{NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{NOT_NEGATIVE, Place, SceneProblem};
 
 /// The light of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! A matte surface: paper, plaster, chalk.
 
 use crate::color::Rgb;
-use crate::scene::{Place, SceneProblem, UNIT};
+use crate::problem::{Place, SceneProblem, UNIT};
 
 /// Equally bright from everywhere, on both sides. See [`Lambert`](crate::bsdf::Lambert).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! A perfect mirror that reflects the same part at every angle.
 
 use crate::color::Rgb;
-use crate::scene::{Place, SceneProblem, UNIT};
+use crate::problem::{Place, SceneProblem, UNIT};
 
 /// Smooth and opaque, on both sides. Real metals brighten towards grazing
 /// angles: see [`Conductor`](super::Conductor).

@@ -1,7 +1,6 @@
 //! Two materials in some proportion.
 
-use super::{Material, MaterialKind};
-use crate::scene::{MaterialId, Place, SceneProblem, UNIT};
+use crate::id::MaterialId;
 
 /// `1 - amount` of the first material and `amount` of the second.
 ///
@@ -15,36 +14,4 @@ pub struct Mix {
     pub second: MaterialId,
     /// The share of the second, 0 to 1.
     pub amount: f32,
-}
-
-impl Mix {
-    pub(super) fn validate(&self, place: Place, all: &[Material]) -> Result<(), SceneProblem> {
-        place.check("amount", [self.amount], UNIT)?;
-        for (key, id) in [("first", self.first), ("second", self.second)] {
-            match all.get(id.0 as usize).map(|m| &m.kind) {
-                None => {
-                    return Err(place.problem(key, format!("there is no material number {}", id.0)));
-                }
-                Some(MaterialKind::Mix(_)) => {
-                    return Err(place.problem(
-                        key,
-                        format!("{key} is itself a mix; mix plain materials instead"),
-                    ));
-                }
-                Some(MaterialKind::Dielectric(_)) => {
-                    return Err(place.problem(
-                        key,
-                        format!("{key} is a dielectric, which cannot be mixed: what is inside would be in doubt"),
-                    ));
-                }
-                Some(
-                    MaterialKind::Black
-                    | MaterialKind::Matte(_)
-                    | MaterialKind::Mirror(_)
-                    | MaterialKind::Conductor(_),
-                ) => {}
-            }
-        }
-        Ok(())
-    }
 }

@@ -14,7 +14,7 @@ pub use matte::Matte;
 pub use mirror::Mirror;
 pub use mix::Mix;
 
-use crate::scene::{Place, SceneProblem};
+use crate::problem::{Place, SceneProblem, UNIT};
 
 /// A surface: how it scatters, and the light it gives by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +75,32 @@ impl Material {
             MaterialKind::Mix(m) => m.validate(place, all)?,
         }
         self.emission.as_ref().map_or(Ok(()), |e| e.validate(place))
+    }
+}
+
+impl Mix {
+    /// Its parts are materials that scatter on their own and have no inside.
+    fn validate(&self, place: Place, all: &[Material]) -> Result<(), SceneProblem> {
+        place.check("amount", [self.amount], UNIT)?;
+        for (key, id) in [("first", self.first), ("second", self.second)] {
+            let what = match all.get(id.0 as usize).map(|m| &m.kind) {
+                None => format!("there is no material number {}", id.0),
+                Some(MaterialKind::Mix(_)) => {
+                    format!("{key} is itself a mix; mix plain materials instead")
+                }
+                Some(MaterialKind::Dielectric(_)) => format!(
+                    "{key} is a dielectric, which cannot be mixed: what is inside would be in doubt"
+                ),
+                Some(
+                    MaterialKind::Black
+                    | MaterialKind::Matte(_)
+                    | MaterialKind::Mirror(_)
+                    | MaterialKind::Conductor(_),
+                ) => continue,
+            };
+            return Err(place.problem(key, what));
+        }
+        Ok(())
     }
 }
 

@@ -4,7 +4,7 @@
 //! count, whatever is integrated. [`Sobol`](super::Sobol) is better nearly
 //! everywhere; this one is the yardstick, and what statistical tests assume.
 
-use super::{GOLDEN, Sampler, mix, pixel_key, unit};
+use super::numbers::{GOLDEN, Sampler, mix, pixel_key, unit};
 use rutilant_geom::Vec2;
 
 /// Independent numbers.

@@ -11,7 +11,7 @@
 //! dimension by butterflies as in Ahmed, "An Implementation Algorithm of 2D
 //! Sobol Sequence Fast, Elegant, and Compact", EGSR 2024.
 
-use super::{GOLDEN, Sampler, mix, pixel_key, unit};
+use super::numbers::{GOLDEN, Sampler, mix, pixel_key, unit};
 use rutilant_geom::Vec2;
 
 /// Stratified numbers.

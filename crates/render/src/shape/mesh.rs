@@ -1,6 +1,6 @@
 //! Triangle meshes.
 
-use crate::scene::{Place, SceneProblem};
+use crate::problem::{Place, SceneProblem};
 use rutilant_geom::{Vec2, Vec3};
 
 /// Triangles that share vertices.

@@ -5,7 +5,8 @@ mod smooth;
 
 pub use mesh::Mesh;
 
-use crate::scene::{FINITE, MaterialId, MeshId, POSITIVE, Place, Scene, SceneProblem};
+use crate::id::{MaterialId, MeshId};
+use crate::problem::{FINITE, POSITIVE, Place, SceneProblem};
 use rutilant_geom::{Transform, Vec2, Vec3};
 
 /// A shape with a place in the world and a material.
@@ -59,14 +60,20 @@ impl Object {
         self
     }
 
-    pub(crate) fn validate(&self, index: usize, scene: &Scene) -> Result<(), SceneProblem> {
+    /// `materials` and `meshes` are how many of them there are.
+    pub(crate) fn validate(
+        &self,
+        index: usize,
+        materials: usize,
+        meshes: usize,
+    ) -> Result<(), SceneProblem> {
         let place = Place::Object(index);
-        if scene.materials.get(self.material.0 as usize).is_none() {
+        if self.material.0 as usize >= materials {
             return Err(place
                 .problem("material", format!("there is no material number {}", self.material.0)));
         }
         match self.shape {
-            Shape::Mesh(id) if scene.meshes.get(id.0 as usize).is_none() => {
+            Shape::Mesh(id) if id.0 as usize >= meshes => {
                 return Err(place.problem("file", format!("there is no mesh number {}", id.0)));
             }
             Shape::Mesh(_) => {}

@@ -1,0 +1,89 @@
+//! What can be wrong with a scene, and the ranges that its numbers must keep to.
+
+use std::fmt;
+use std::ops::RangeInclusive;
+
+/// Why a scene cannot be rendered, and which of its parts is to blame.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}: {what}")]
+pub struct SceneProblem {
+    /// The part of the scene.
+    pub place: Place,
+    /// The property of that part, by the name of its key in the native scene format.
+    pub key: &'static str,
+    /// What is wrong, what would be right.
+    pub what: String,
+}
+
+/// A part of a scene. The numbers count in the arrays of [`Scene`](crate::scene::Scene).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "each is named after the part it means")]
+pub enum Place {
+    Settings,
+    Camera,
+    Environment,
+    Material(usize),
+    Mesh(usize),
+    Object(usize),
+    Light(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Settings => write!(f, "render settings"),
+            Self::Camera => write!(f, "camera"),
+            Self::Environment => write!(f, "environment"),
+            Self::Material(i) => write!(f, "material {i}"),
+            Self::Mesh(i) => write!(f, "mesh {i}"),
+            Self::Object(i) => write!(f, "object {i}"),
+            Self::Light(i) => write!(f, "light {i}"),
+        }
+    }
+}
+
+impl Place {
+    /// A problem here: `what` is wrong with `key`.
+    pub(crate) fn problem(self, key: &'static str, what: impl Into<String>) -> SceneProblem {
+        SceneProblem { place: self, key, what: what.into() }
+    }
+
+    /// Checks that every number lies in `range`, which NaN never does.
+    pub(crate) fn check(
+        self,
+        key: &'static str,
+        values: impl IntoIterator<Item = f32>,
+        range: RangeInclusive<f32>,
+    ) -> Result<(), SceneProblem> {
+        let (least, most) = (*range.start(), *range.end());
+        match values.into_iter().find(|v| !range.contains(v)) {
+            None => Ok(()),
+            Some(v) if !v.is_finite() => {
+                Err(self.problem(key, format!("{key} is {v}, but must be a finite number")))
+            }
+            Some(v) if most == f32::MAX && least == f32::MIN_POSITIVE => {
+                Err(self.problem(key, format!("{key} is {v}, but must be more than 0")))
+            }
+            Some(v) if least == f32::MIN_POSITIVE => {
+                Err(self
+                    .problem(key, format!("{key} is {v}, but must be more than 0, up to {most}")))
+            }
+            Some(v) if most == f32::MAX => {
+                Err(self.problem(key, format!("{key} is {v}, but must be {least} or more")))
+            }
+            Some(v) => {
+                Err(self
+                    .problem(key, format!("{key} is {v}, but must lie between {least} and {most}")))
+            }
+        }
+    }
+}
+
+/// Any finite number.
+pub(crate) const FINITE: RangeInclusive<f32> = f32::MIN..=f32::MAX;
+/// Zero or more.
+pub(crate) const NOT_NEGATIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
+/// More than zero.
+pub(crate) const POSITIVE: RangeInclusive<f32> = f32::MIN_POSITIVE..=f32::MAX;
+/// A part of a whole.
+pub(crate) const UNIT: RangeInclusive<f32> = 0.0..=1.0;
