@@ -235,15 +235,19 @@ fn read_rays(path: &Path) -> Result<Vec<Ray>, Failure> {
 
 /// A file of 32-bit numbers in groups of `N`.
 fn read_numbers<const N: usize>(path: &Path, what: &str) -> Result<Vec<[f32; N]>, Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?;
+    let refused =
+        |what: &dyn std::fmt::Display| Failure::usage(format!("{}: {what}", path.display()));
+    // A pipe may never end.
+    if !std::fs::metadata(path).map_err(|error| refused(&error))?.is_file() {
+        return Err(refused(&"not a regular file"));
+    }
+    let bytes = std::fs::read(path).map_err(|error| refused(&error))?;
     let (numbers, rest) = bytes.as_chunks::<4>();
     let numbers: Vec<f32> = numbers.iter().map(|b| f32::from_le_bytes(*b)).collect();
     match numbers.as_chunks::<N>() {
         (groups, []) if rest.is_empty() => Ok(groups.to_vec()),
-        _ => Err(Failure::usage(format!(
-            "{}: {} bytes do not make whole {what} of four bytes each",
-            path.display(),
+        _ => Err(refused(&format!(
+            "{} bytes do not make whole {what} of four bytes each",
             bytes.len()
         ))),
     }

@@ -574,7 +574,7 @@ fn bench_finds_the_right_hits() {
 
     write("short.rays", &[1.0; 9]);
     write("nan.rays", &[f32::NAN; 8]);
-    for bad in ["short.rays", "nan.rays", "none.rays"] {
+    for bad in ["short.rays", "nan.rays", "none.rays", "."] {
         let ran = desk.run(&format!("bench rays one.tris {bad}"));
         assert_eq!(ran.status, 2, "{bad}");
         assert!(ran.error.contains(bad), "{bad}: {}", ran.error);
