@@ -80,7 +80,9 @@ impl Pass<'_> {
                 if ticket >= self.film.tile_count() {
                     break;
                 }
-                self.render_tile::<S, I>(&mut self.film.tile(ticket), integrator, &camera, &filter);
+                let mut tile = self.film.tile(ticket);
+                self.render_tile::<S, I>(&mut tile, integrator, &camera, &filter);
+                self.film.publish(ticket, &tile);
             }
         };
         std::thread::scope(|scope| {
@@ -108,7 +110,7 @@ impl Pass<'_> {
                     let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
                     let ray = camera.ray(film, sampler.d2(dimension::LENS));
                     let radiance = integrator.radiance(self.scene, ray, &sampler, &mut rays);
-                    tile.add(x, y, sample, radiance * weight);
+                    self.film.add(tile, [x, y], sample, radiance * weight);
                     paths += 1;
                 }
             }

@@ -126,6 +126,10 @@ impl Settings {
     /// The largest picture side, in pixels.
     pub const MAX_SIDE: u32 = 65_536;
 
+    /// The most pixels that are rendered at once: their sums take 7 GB. Larger pictures are
+    /// rendered in crops.
+    pub const MAX_PIXELS: u64 = 1 << 27;
+
     /// The window that is rendered: the crop, or the whole picture.
     pub fn window(&self) -> Crop {
         let [width, height] = self.size;
@@ -158,6 +162,17 @@ impl Settings {
                     format!("crop {x},{y},{w},{h} must hold pixels and stay inside the {width}x{height} picture"),
                 ));
             }
+        }
+        let window = self.window();
+        let pixels = u64::from(window.width) * u64::from(window.height);
+        if pixels > Self::MAX_PIXELS {
+            let (key, most) = (if self.crop.is_some() { "crop" } else { "size" }, Self::MAX_PIXELS);
+            return Err(place.problem(
+                key,
+                format!(
+                    "{pixels} pixels are too many to render at once; at most {most} are, use crops"
+                ),
+            ));
         }
         if self.spp == 0 {
             return Err(place.problem("spp", "spp is 0, but must be 1 or more"));

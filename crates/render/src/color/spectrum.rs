@@ -1,6 +1,6 @@
 //! Light as the renderer carries it.
 
-use super::Rgb;
+use super::rgb::Rgb;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
 /// A radiance, a throughput or an absorption, per channel.

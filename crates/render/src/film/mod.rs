@@ -13,6 +13,7 @@ pub(crate) use filter::FilterSampler;
 
 use crate::color::Spectrum;
 use crate::image::{Channel, Image};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Side of a tile in pixels.
@@ -62,7 +63,6 @@ pub(crate) struct Tile {
     pub(crate) next_sample: u64,
     /// (height, width) sums.
     pixels: Vec<Pixel>,
-    dropped: Dropped,
 }
 
 /// Samples that were no numbers. They are left out of the mean.
@@ -90,25 +90,13 @@ impl Dropped {
         self.count += 1;
         self.first = Some(self.first.map_or(at, |first| first.min(at)));
     }
-
-    fn merge(self, other: Self) -> Self {
-        Self {
-            count: self.count + other.count,
-            first: self.first.into_iter().chain(other.first).min(),
-        }
-    }
 }
 
 impl Tile {
-    /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture. A value that
-    /// is not finite is dropped and counted.
-    pub(crate) fn add(&mut self, x: u32, y: u32, sample: u64, value: Spectrum) {
-        if value.is_finite() {
-            let i = (y - self.area.y) * self.area.width + (x - self.area.x);
-            self.pixels[i as usize].add(value);
-        } else {
-            self.dropped.add(DroppedSample { sample, y, x });
-        }
+    /// Adds a sample of the pixel at (`x`, `y`) of the whole picture; the value is finite.
+    fn add(&mut self, x: u32, y: u32, value: Spectrum) {
+        let i = (y - self.area.y) * self.area.width + (x - self.area.x);
+        self.pixels[i as usize].add(value);
     }
 }
 
@@ -118,6 +106,9 @@ pub(crate) struct Film {
     window: Crop,
     /// In Morton order: neighbours in time are neighbours on the picture.
     tiles: Vec<Mutex<Tile>>,
+    /// Samples that each tile has; read without waiting for the tile.
+    samples: Vec<AtomicU64>,
+    dropped: Mutex<Dropped>,
 }
 
 impl Film {
@@ -135,29 +126,45 @@ impl Film {
                     area: Crop { x: window.x + x, y: window.y + y, width, height },
                     next_sample: 0,
                     pixels: vec![Pixel::default(); (width * height) as usize],
-                    dropped: Dropped::default(),
                 })
             })
             .collect();
-        Self { window, tiles }
+        let samples = std::iter::repeat_with(AtomicU64::default);
+        let samples = samples.take(columns as usize * rows as usize).collect();
+        Self { window, tiles, samples, dropped: Mutex::default() }
     }
 
     pub(crate) fn tile_count(&self) -> usize {
         self.tiles.len()
     }
 
-    /// Locks a tile. Its state is whole between samples, so a thread that died holding it does no harm.
+    /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture to its tile. A
+    /// value that is not finite is dropped and counted.
+    pub(crate) fn add(&self, tile: &mut Tile, [x, y]: [u32; 2], sample: u64, value: Spectrum) {
+        if value.is_finite() {
+            tile.add(x, y, value);
+        } else {
+            locked(&self.dropped).add(DroppedSample { sample, y, x });
+        }
+    }
+
+    /// Locks a tile.
     pub(crate) fn tile(&self, index: usize) -> MutexGuard<'_, Tile> {
-        self.tiles[index].lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.tiles[index])
+    }
+
+    /// Makes known how far a tile has come.
+    pub(crate) fn publish(&self, index: usize, tile: &Tile) {
+        self.samples[index].store(tile.next_sample, Ordering::Relaxed);
     }
 
     /// Samples that every pixel has.
     pub(crate) fn samples(&self) -> u64 {
-        (0..self.tile_count()).map(|i| self.tile(i).next_sample).min().unwrap_or(0)
+        self.samples.iter().map(|s| s.load(Ordering::Relaxed)).min().unwrap_or(0)
     }
 
     pub(crate) fn dropped(&self) -> Dropped {
-        (0..self.tile_count()).fold(Dropped::default(), |sum, i| sum.merge(self.tile(i).dropped))
+        *locked(&self.dropped)
     }
 
     /// The picture so far: `R`, `G`, `B`, and the variances of these means as `variance.R` and so on.
@@ -185,6 +192,11 @@ impl Film {
             channels.map(|(name, values)| Channel { name: name.to_owned(), values }).collect();
         Image::new(width, height, channels).expect("every channel has the window's size")
     }
+}
+
+/// Locks. What is locked here is whole between samples, so a thread that died did no harm.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The two numbers' bits in turn.
@@ -227,9 +239,9 @@ mod tests {
     fn samples_that_are_no_numbers_are_dropped_and_located() {
         let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 });
         let mut tile = film.tile(0);
-        tile.add(7, 8, 0, Spectrum::WHITE);
-        tile.add(7, 8, 2, Spectrum::splat(f32::INFINITY));
-        tile.add(9, 8, 1, Spectrum::from([0.0, f32::NAN, 0.0]));
+        film.add(&mut tile, [7, 8], 0, Spectrum::WHITE);
+        film.add(&mut tile, [7, 8], 2, Spectrum::splat(f32::INFINITY));
+        film.add(&mut tile, [9, 8], 1, Spectrum::from([0.0, f32::NAN, 0.0]));
         drop(tile);
         let first = Some(DroppedSample { sample: 1, y: 8, x: 9 });
         assert_eq!(film.dropped(), Dropped { count: 2, first });

@@ -8,7 +8,7 @@
 //! Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal
 //! Facets", JGT 3(1), 1998.
 
-use super::Mesh;
+use super::mesh::Mesh;
 use rutilant_geom::{Vec3, real};
 use std::collections::HashMap;
 
