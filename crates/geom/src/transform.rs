@@ -30,11 +30,19 @@ impl Transform {
         Self { linear: Mat3::from_diagonal(factors), translation: Vec3::ZERO }
     }
 
-    /// Turns by `angle` radians around `axis` (any length but zero), counter-clockwise when
-    /// the axis points to the viewer.
+    /// Turns by `angle` radians around `axis` (any length but zero), counter-clockwise when the
+    /// axis points to the viewer.
     pub fn rotate(axis: Vec3, angle: f32) -> Self {
+        Self::turn(axis, real::sin_cos(angle))
+    }
+
+    /// The same in degrees. Quarter turns around a coordinate axis are exact.
+    pub fn rotate_degrees(axis: Vec3, degrees: f32) -> Self {
+        Self::turn(axis, real::sin_cos_degrees(degrees))
+    }
+
+    fn turn(axis: Vec3, (s, c): (f32, f32)) -> Self {
         let a = axis.normalize_or(Vec3::Y);
-        let (s, c) = real::sin_cos(angle);
         let one_c = 1.0 - c;
         let column = |e: Vec3| e * c + a.cross(e) * s + a * (a.dot(e) * one_c);
         Self {
