@@ -1,6 +1,6 @@
 //! Where a ray met a surface.
 
-use rutilant_geom::{Frame, Vec3, offset_origin};
+use rutilant_geom::{Frame, Ray, Vec3, offset_origin};
 
 /// A surface point as the integrators see it.
 #[derive(Clone, Copy, Debug)]
@@ -64,9 +64,15 @@ impl SurfaceInteraction {
         offset_origin(self.smooth_position, self.normal, self.wo)
     }
 
-    /// The origin of a ray that crossed the surface.
-    pub fn transmitted_origin(&self) -> Vec3 {
-        offset_origin(self.position, self.normal, -self.wo)
+    /// The ray that leaves along `wi`, a direction in the shading frame. `crossed` tells whether
+    /// it goes on beyond the surface.
+    pub fn scattered_ray(&self, wi: Vec3, crossed: bool) -> Ray {
+        let origin = if crossed {
+            offset_origin(self.position, self.normal, -self.wo)
+        } else {
+            self.reflected_origin()
+        };
+        Ray::new(origin, self.shading.to_world(wi).normalize())
     }
 }
 

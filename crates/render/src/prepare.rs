@@ -92,8 +92,15 @@ pub(crate) struct PreparedMaterial {
 /// What fills the space on both sides of a clear surface: absorption coefficients in 1/m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Border {
-    pub(crate) interior: Spectrum,
-    pub(crate) exterior: Spectrum,
+    interior: Spectrum,
+    exterior: Spectrum,
+}
+
+impl Border {
+    /// The absorption in front of the surface, or behind it.
+    pub(crate) fn absorption(&self, in_front: bool) -> Spectrum {
+        if in_front { self.exterior } else { self.interior }
+    }
 }
 
 impl Prepared {

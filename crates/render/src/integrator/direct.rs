@@ -38,12 +38,10 @@ impl Integrator for Direct {
 
         // The ray's way to here, through whatever fills the side it came from.
         let border = scene.material(&at).border;
-        let side = |front: bool| {
-            border.map_or(Spectrum::BLACK, |b| if front { b.exterior } else { b.interior })
-        };
+        let side = |front| border.map_or(Spectrum::BLACK, |b| b.absorption(front));
         let way = transmittance(side(wo.z > 0.0), hit.t);
-        let emitted = SeenEmission::of_surface(scene, &at).map_or(Spectrum::BLACK, |e| e.radiance);
-        let mut radiance = emitted;
+        let mut radiance =
+            SeenEmission::of_surface(scene, &at).map_or(Spectrum::BLACK, |e| e.radiance);
 
         // Rough lobes: one light, anywhere on it.
         let origin = at.reflected_origin();
@@ -63,8 +61,7 @@ impl Integrator for Direct {
         let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
         if let Some(sample) = sample.filter(|s| s.delta) {
             let crossed = sample.is_transmission(wo);
-            let origin = if crossed { at.transmitted_origin() } else { at.reflected_origin() };
-            let ray = Ray::new(origin, at.shading.to_world(sample.wi).normalize());
+            let ray = at.scattered_ray(sample.wi, crossed);
             *rays += 1;
             let (seen, distance) = match scene.closest(&ray) {
                 Some(hit) => (

@@ -47,7 +47,7 @@ impl Integrator for Naive {
             let material = scene.material(&at);
             let wo = at.wo_local();
             if let Some(border) = &material.border {
-                absorption = if wo.z > 0.0 { border.exterior } else { border.interior };
+                absorption = border.absorption(wo.z > 0.0);
             }
             throughput *= transmittance(absorption, hit.t);
             if let Some(emission) = SeenEmission::of_surface(scene, &at) {
@@ -63,10 +63,9 @@ impl Integrator for Naive {
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
             if let (true, Some(border)) = (crossed, &material.border) {
-                absorption = if wo.z > 0.0 { border.interior } else { border.exterior };
+                absorption = border.absorption(wo.z < 0.0);
             }
-            let origin = if crossed { at.transmitted_origin() } else { at.reflected_origin() };
-            ray = Ray::new(origin, at.shading.to_world(sample.wi).normalize());
+            ray = at.scattered_ray(sample.wi, crossed);
 
             let (from, survival) = SURVIVAL;
             if depth >= from {

@@ -74,7 +74,7 @@ impl Integrator for Path {
 
             // What the medium left of the light; a border knows what is on the side we come from.
             if let Some(border) = &material.border {
-                absorption = if wo.z > 0.0 { border.exterior } else { border.interior };
+                absorption = border.absorption(wo.z > 0.0);
             }
             throughput *= transmittance(absorption, hit.t);
 
@@ -101,11 +101,11 @@ impl Integrator for Path {
             };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
-            let origin = if crossed { at.transmitted_origin() } else { at.reflected_origin() };
-            ray = Ray::new(origin, at.shading.to_world(sample.wi).normalize());
-            previous = Some(Previous { position: origin, pdf: sample.pdf, delta: sample.delta });
+            ray = at.scattered_ray(sample.wi, crossed);
+            previous =
+                Some(Previous { position: ray.origin, pdf: sample.pdf, delta: sample.delta });
             if let (true, Some(border)) = (crossed, &material.border) {
-                absorption = if wo.z > 0.0 { border.interior } else { border.exterior };
+                absorption = border.absorption(wo.z < 0.0);
                 density_gain *= sample.eta * sample.eta;
             }
 
