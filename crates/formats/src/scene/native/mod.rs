@@ -9,13 +9,13 @@ mod camera;
 mod document;
 mod draft;
 mod environment;
+mod hex;
 mod keys;
 mod light;
 mod material;
 mod placing;
 mod render;
 mod shape;
-mod srgb;
 mod table;
 
 use super::LoadedScene;

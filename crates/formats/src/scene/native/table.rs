@@ -6,7 +6,7 @@
 //! methods of [`Value`]: `table.or("radius", Value::number, 1.0)`.
 
 use super::document::Document;
-use super::keys;
+use super::{hex, keys};
 use crate::scene::nearest::{nearest, shown};
 use crate::{SceneError, SceneErrorKind};
 use rutilant::color::Rgb;
@@ -253,9 +253,7 @@ impl<'d> Value<'d> {
         const EXPECTED: &str = "a color ([r, g, b], a number for grey, or \"#rrggbb\" in sRGB)";
         match self.value {
             DeValue::Integer(_) | DeValue::Float(_) => self.number().map(Rgb::grey),
-            DeValue::String(text) => {
-                super::srgb::from_hex(text).ok_or_else(|| self.must_be(EXPECTED))
-            }
+            DeValue::String(text) => hex::color(text).ok_or_else(|| self.must_be(EXPECTED)),
             DeValue::Array(_) => self.numbers(EXPECTED).map(Rgb),
             DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Table(_) => {
                 Err(self.must_be(EXPECTED))
