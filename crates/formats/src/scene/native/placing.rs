@@ -1,8 +1,9 @@
 //! Where a shape stands: the keys that move, turn and scale it.
 
 use super::camera::direction;
-use super::{Table, Value, keys};
-use crate::SceneError;
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
 use rutilant_geom::{Aabb, Mat3, Transform, Vec3};
 
 /// Where a shape stands: scaled, then turned, then moved; or by a matrix.

@@ -7,8 +7,9 @@
 
 use super::document::Document;
 use super::{hex, keys};
-use crate::scene::nearest::{nearest, shown};
-use crate::{SceneError, SceneErrorKind};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::nearest::nearest;
+use crate::shown::shown;
 use rutilant::color::Rgb;
 use rutilant_geom::{Vec2, Vec3};
 use toml::de::{DeTable, DeValue};
@@ -43,6 +44,11 @@ impl<'d> Table<'d> {
     /// Something is wrong with the table as a whole.
     pub(super) fn error(&self, kind: SceneErrorKind) -> SceneError {
         self.document.error(self.at, kind)
+    }
+
+    /// Something that a person should know about the table.
+    pub(super) fn note(&self, what: &str) -> String {
+        self.document.note(self.at, what)
     }
 
     /// Something is wrong at some byte of the text.
