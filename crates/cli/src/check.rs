@@ -48,7 +48,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
             }
         };
         for note in &notes {
-            tell(&format!("note: {}: {note}", path.display()));
+            tell(&format!("note: {note}"));
         }
         if args.json {
             print_json(&Verdict { scene: path, ok: error.is_none(), error, notes })?;

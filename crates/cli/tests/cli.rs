@@ -257,6 +257,12 @@ fn check_tells_good_from_bad() {
     assert_eq!((&verdicts[0]["ok"], &verdicts[1]["ok"]), (&false.into(), &true.into()));
     let error = verdicts[0]["error"].as_str().unwrap();
     assert!(error.starts_with("bad.toml:19:1: ") && error.contains("\"albedo\""), "{error}");
+
+    // Notes say by themselves which file they are about.
+    fs::write(desk.path("bare.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let ran = desk.run("check bare.obj");
+    let notes: Vec<_> = ran.error.lines().collect();
+    assert!(!notes.is_empty() && notes.iter().all(|n| n.matches("bare.obj: ").count() == 1));
 }
 
 #[test]

@@ -49,6 +49,18 @@ pub struct SceneError {
     pub kind: SceneErrorKind,
 }
 
+impl SceneError {
+    /// Something is wrong with a file as a whole.
+    pub(crate) fn in_file(file: impl Into<PathBuf>, kind: SceneErrorKind) -> Self {
+        Self { at: Source::file(file), kind }
+    }
+
+    /// A file breaks its own format as a whole.
+    pub(crate) fn invalid_file(file: impl Into<PathBuf>, what: impl Into<String>) -> Self {
+        Self::in_file(file, SceneErrorKind::Invalid(what.into()))
+    }
+}
+
 /// Why an image could not be read or written: `sky.hdr: the file ends after 3 of 512 rows`.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}", file.display())]
@@ -57,6 +69,12 @@ pub struct ImageError {
     pub file: PathBuf,
     /// What is wrong, and a hint if there is one.
     pub what: String,
+}
+
+impl ImageError {
+    pub(crate) fn new(file: impl Into<PathBuf>, what: impl Into<String>) -> Self {
+        Self { file: file.into(), what: what.into() }
+    }
 }
 
 /// What is wrong with a scene.

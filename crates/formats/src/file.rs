@@ -1,70 +1,88 @@
-//! The bytes of a file, if it is a regular file of a size the caller allows.
+//! Files as this crate meets them: their extension, their folder, their bytes.
 //!
-//! Folders, pipes and devices are refused before they are opened: a folder has
-//! no bytes, a pipe may never send any, and a device may never stop.
+//! Only regular files of a size that the caller allows are read. Folders,
+//! pipes and devices are refused before they are opened: a folder has no
+//! bytes, a pipe may never send any, and a device may never stop.
 
-use crate::Limits;
-use std::fmt;
+use crate::error::{ImageError, SceneError, SceneErrorKind};
+use crate::limits::Limits;
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 
-/// Why a file gave no bytes.
-#[derive(Debug)]
-pub(crate) enum Refused {
-    /// A folder, a pipe or a device.
-    NotAFile(&'static str),
-    /// More than [`Limits::file_bytes`].
-    TooLarge { asked: u64, allowed: u64 },
-    /// The disk's own words.
-    Io(io::Error),
+/// All bytes of a scene's file; symbolic links are followed.
+pub(crate) fn scene_bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, SceneError> {
+    bytes(path, limits).map_err(|kind| SceneError::in_file(path, kind))
 }
 
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotAFile(what) => write!(f, "this is {what}, not a file"),
-            Self::TooLarge { asked, allowed } => {
-                write!(f, "{asked} bytes, but at most {allowed} are allowed")
-            }
-            Self::Io(error) => write!(f, "{error}"),
-        }
-    }
+/// All bytes of an image's file; symbolic links are followed.
+pub(crate) fn image_bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, ImageError> {
+    bytes(path, limits).map_err(|kind| ImageError::new(path, kind.to_string()))
 }
 
-impl From<io::Error> for Refused {
-    fn from(error: io::Error) -> Self {
-        Self::Io(error)
-    }
-}
-
-/// All bytes of the regular file at `path`; symbolic links are followed.
-pub(crate) fn bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, Refused> {
-    must_be_regular(&fs::metadata(path)?)?;
-    let file = File::open(path)?;
+fn bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, SceneErrorKind> {
+    must_be_regular(&fs::metadata(path).map_err(SceneErrorKind::Io)?)?;
+    let file = File::open(path).map_err(SceneErrorKind::Io)?;
     // What was opened may be something else than what was looked at.
-    let metadata = file.metadata()?;
+    let metadata = file.metadata().map_err(SceneErrorKind::Io)?;
     must_be_regular(&metadata)?;
 
     let allowed = limits.file_bytes;
-    if metadata.len() > allowed {
-        return Err(Refused::TooLarge { asked: metadata.len(), allowed });
-    }
+    let must_fit = |asked: u64| match asked <= allowed {
+        true => Ok(()),
+        false => Err(SceneErrorKind::Limit { what: "bytes", asked, allowed }),
+    };
+    must_fit(metadata.len())?;
     let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
     // A file may grow while it is read: one byte more than allowed shows it.
-    file.take(allowed.saturating_add(1)).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > allowed {
-        return Err(Refused::TooLarge { asked: bytes.len() as u64, allowed });
-    }
+    let mut file = file.take(allowed.saturating_add(1));
+    file.read_to_end(&mut bytes).map_err(SceneErrorKind::Io)?;
+    must_fit(bytes.len() as u64)?;
     Ok(bytes)
 }
 
-fn must_be_regular(metadata: &fs::Metadata) -> Result<(), Refused> {
+fn must_be_regular(metadata: &fs::Metadata) -> Result<(), SceneErrorKind> {
+    match not_regular(metadata) {
+        None => Ok(()),
+        Some(what) => Err(SceneErrorKind::Invalid(format!("this is {what}, not a file"))),
+    }
+}
+
+/// What stands there instead of a regular file, for people; `None` for a regular file.
+pub(crate) fn not_regular(metadata: &fs::Metadata) -> Option<&'static str> {
     if metadata.is_file() {
-        Ok(())
+        None
     } else if metadata.is_dir() {
-        Err(Refused::NotAFile("a folder"))
+        Some("a folder")
     } else {
-        Err(Refused::NotAFile("a pipe or a device"))
+        Some("a pipe or a device")
+    }
+}
+
+/// The extension in small letters, without the dot; empty where there is none.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// What is said of a file whose extension is none of the `known` ones. `what` is the kind of
+/// file that was wanted: "image", "scene".
+pub(crate) fn unknown_format<'k>(
+    what: &str,
+    path: &Path,
+    known: impl IntoIterator<Item = &'k str>,
+) -> String {
+    let known: Vec<_> = known.into_iter().map(|name| format!(".{name}")).collect();
+    let known = known.join(", ");
+    match &*extension(path) {
+        "" => format!("no extension, so no {what} format; there are {known}"),
+        other => format!("no {what} format .{}; there are {known}", other.escape_debug()),
+    }
+}
+
+/// The folder that `path` stands in, in words that the system understands.
+pub(crate) fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
     }
 }

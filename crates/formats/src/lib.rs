@@ -17,11 +17,12 @@ pub mod image;
 mod limits;
 mod options;
 pub mod scene;
+mod shown;
 
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use limits::Limits;
 pub use options::ReadOptions;
-pub use scene::LoadedScene;
+pub use scene::loaded::LoadedScene;
 
 use std::path::Path;
 
@@ -41,21 +42,13 @@ const SCENES: &[(&str, SceneReader)] =
 /// The first thing in the file, or in the files it names, that cannot be used,
 /// with its place.
 pub fn read_scene(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let reader = extension.as_deref().and_then(|e| SCENES.iter().find(|(name, _)| *name == e));
-    match reader {
-        Some((_, read)) => {
-            scene::files::check_regular(path, &options.limits)?;
-            read(path, options)
-        }
+    let extension = file::extension(path);
+    match SCENES.iter().find(|(name, _)| *name == extension) {
+        Some((_, read)) => read(path, options),
         None => {
-            let known: Vec<_> = SCENES.iter().map(|(name, _)| format!(".{name}")).collect();
-            let what = match extension {
-                Some(e) => format!("no scenes are read from .{e} files"),
-                None => "a scene's kind is told by its extension, and here is none".to_owned(),
-            };
-            let what = format!("{what}; there are {}", known.join(", "));
-            Err(SceneError { at: Source::file(path), kind: SceneErrorKind::Unsupported(what) })
+            let known = SCENES.iter().map(|(name, _)| *name);
+            let what = file::unknown_format("scene", path, known);
+            Err(SceneError::in_file(path, SceneErrorKind::Unsupported(what)))
         }
     }
 }

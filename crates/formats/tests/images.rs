@@ -315,11 +315,11 @@ fn content_goes_before_extension() {
 #[test]
 fn errors_say_what_is_wrong() {
     let cases: [(&str, &[u8], &str); 18] = [
-        ("a.bmp", b"BM", "a.bmp: no image format .bmp; known are .exr, .hdr, .pfm, .png, .jpg"),
+        ("a.bmp", b"BM", "a.bmp: no image format .bmp; there are .exr, .hdr, .pfm, .png, .jpg"),
         (
             "sky",
             b"",
-            "sky: no extension, so no image format; known are .exr, .hdr, .pfm, .png, .jpg",
+            "sky: no extension, so no image format; there are .exr, .hdr, .pfm, .png, .jpg",
         ),
         ("a.hdr", b"", "a.hdr: the header has no end"),
         ("a.hdr", b"hello\n", "a.hdr: this is not a Radiance file: it does not begin with \"#?\""),
@@ -546,9 +546,14 @@ fn a_failed_write_changes_nothing() {
             "old.txt",
             Pixels::Light(&light),
             &options,
-            "no image format .txt; known are .exr, .hdr, .pfm, .png, .jpg",
+            "no image format .txt; there are .exr, .hdr, .pfm, .png, .jpg",
         ),
-        ("folder.exr", Pixels::Light(&light), &options, "cannot write: this is a folder"),
+        (
+            "folder.exr",
+            Pixels::Light(&light),
+            &options,
+            "cannot write: this is a folder, not a file",
+        ),
     ];
     for (name, pixels, options, expected) in cases {
         let error = write(&at(name), pixels, options).expect_err(name);
@@ -586,8 +591,8 @@ fn writability_is_known_before() {
     }
     for (name, expected) in [
         ("kept.exr", "cannot write: the file is read-only"),
-        ("folder.png", "cannot write: this is a folder"),
-        ("a.gif", "no image format .gif; known are .exr, .hdr, .pfm, .png, .jpg"),
+        ("folder.png", "cannot write: this is a folder, not a file"),
+        ("a.gif", "no image format .gif; there are .exr, .hdr, .pfm, .png, .jpg"),
         ("missing/a.png", "cannot write: there is no folder"),
     ] {
         let error = check_writable(&at(name)).expect_err(name).to_string();

@@ -447,7 +447,7 @@ fn errors_in_materials_name_the_place() {
         ("newmtl\n", "a.mtl:1:1: newmtl needs a name"),
         ("newmtl m\nKd\n", "a.mtl:2:3: Kd needs a number"),
         ("newmtl m\nKd 1 x 1\n", "a.mtl:2:6: \"x\" is not a number"),
-        ("newmtl m\nKe 1 1e99 1\n", "a.mtl:2:6: Ke is inf, but must be a finite number"),
+        ("newmtl m\nKe 1 1e99 1\n", "a.mtl:2:6: Ke is inf, but must be finite"),
         ("newmtl m\n\n  Ni glass\n", "a.mtl:3:6: \"glass\" is not a number"),
         ("newmtl m\nd -halo\n", "a.mtl:2:8: d needs a number"),
     ];

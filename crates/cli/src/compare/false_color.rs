@@ -37,7 +37,7 @@ pub(crate) fn magma(value: f32) -> [f32; 3] {
     let high = (low + 1).min(MAGMA.len() - 1);
     [0, 1, 2].map(|i| {
         let (a, b) = (f32::from(MAGMA[low][i]), f32::from(MAGMA[high][i]));
-        linear_from_srgb((a + (b - a) * part) / 255.0)
+        linear_from_srgb(f64::from(a + (b - a) * part) / 255.0) as f32
     })
 }
 

@@ -120,7 +120,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let (test_shown, reference_shown) = (encoded(&test), encoded(&reference));
     let psnr = metrics::psnr(&test_shown, &reference_shown, &counts);
 
-    let light = |p: &Pixels| p.map(|rgb| rgb.map(linear_from_srgb));
+    let light = |p: &Pixels| p.map(|rgb| rgb.map(|c| linear_from_srgb(f64::from(c)) as f32));
     let map = flip::ldr(&light(&reference_shown), &light(&test_shown), flip::PIXELS_PER_DEGREE);
     let linear = [&args.image, &args.reference].into_iter().all(|path| output::holds_light(path));
     let hdr_map = linear.then(|| flip::hdr(&reference, &test, flip::PIXELS_PER_DEGREE));

@@ -11,8 +11,10 @@
 //! Source: *Technical Introduction to OpenEXR* and *OpenEXR File Layout*,
 //! Academy Software Foundation.
 
-use super::{Precision, WriteOptions, check_size};
-use crate::Limits;
+use super::check;
+use super::options::{Precision, WriteOptions};
+use crate::limits::Limits;
+use crate::shown::shown;
 use ::exr::meta::attribute::{AttributeValue, Text};
 use ::exr::meta::header::{Header, standard_names};
 use ::exr::prelude::{
@@ -53,7 +55,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     for channel in layer.channel_data.list {
         let name = channel.name.to_string();
         if channels.iter().any(|c| c.name == name) {
-            return Err(format!("two channels \"{}\"", name.escape_debug()));
+            return Err(format!("two channels \"{}\"", shown(&name)));
         }
         let values = match channel.sample_data {
             FlatSamples::F32(values) => values,
@@ -74,7 +76,7 @@ fn check_header(header: &Header, bytes: usize, limits: &Limits) -> Result<(), St
     }
     let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
     let pixel_bytes = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample() as u64);
-    check_size(width, height, limits, pixel_bytes.sum(), bytes, EXPANSION)?;
+    check::size(width, height, limits, pixel_bytes.sum(), bytes, EXPANSION)?;
     // Each block of pixels has at least an entry of 8 bytes in a table.
     let blocks = header.chunk_count as u64;
     if blocks.saturating_mul(8) > bytes as u64 {
@@ -94,7 +96,7 @@ struct Frame {
 impl Frame {
     fn new(data: IntegerBounds, display: IntegerBounds, limits: &Limits) -> Result<Self, String> {
         let (width, height) = (display.size.width(), display.size.height());
-        check_size(width as u64, height as u64, limits, 0, 0, 0)?;
+        check::size(width as u64, height as u64, limits, 0, 0, 0)?;
         // A frame of black around the pixels is worth its memory, a universe of it is not.
         const MOST_BLACK: usize = 64;
         const FREE: usize = 1 << 20;

@@ -7,8 +7,10 @@
 //! Source: Ward, *Real Pixels*, Graphics Gems II, 1991; Radiance's
 //! `src/common/color.c` for the two run-length codes.
 
-use super::{WriteOptions, check_size, colors};
-use crate::Limits;
+use super::check;
+use super::options::WriteOptions;
+use crate::limits::Limits;
+use crate::shown::quoted;
 use rutilant::image::{Channel, Image};
 
 type Rgbe = [u8; 4];
@@ -28,20 +30,15 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
         if let Some(format) = line.strip_prefix(b"FORMAT=")
             && format.trim_ascii() != b"32-bit_rle_rgbe"
         {
-            let format = String::from_utf8_lossy(&format[..format.len().min(32)]);
-            return Err(format!(
-                "pixels in format \"{}\" are not read, only 32-bit_rle_rgbe",
-                format.trim().escape_debug()
-            ));
+            let format = quoted(format.trim_ascii());
+            return Err(format!("pixels in format {format} are not read, only 32-bit_rle_rgbe"));
         }
     }
     let line = lines.next().ok_or("the header has no resolution")?;
-    let layout = Layout::parse(line).ok_or_else(|| {
-        let line = String::from_utf8_lossy(&line[..line.len().min(32)]);
-        format!("\"{}\" is not a resolution like \"-Y 512 +X 1024\"", line.escape_debug())
-    })?;
+    let layout = Layout::parse(line)
+        .ok_or_else(|| format!("{} is not a resolution like \"-Y 512 +X 1024\"", quoted(line)))?;
     let (width, height) = layout.size();
-    check_size(width.into(), height.into(), limits, 0, 0, 0)?;
+    check::size(width.into(), height.into(), limits, 0, 0, 0)?;
 
     // Scanlines, each of which may be coded in its own way. Memory grows with what is decoded.
     let mut rest = lines.rest;
@@ -66,7 +63,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
 
 pub(super) fn write(image: &Image, options: &WriteOptions) -> Result<Vec<u8>, String> {
     let (width, height) = (image.width(), image.height());
-    let pixels = colors(image)?;
+    let pixels = check::colors(image)?;
     let version = env!("CARGO_PKG_VERSION");
     let mut text = format!("#?RADIANCE\nSOFTWARE=Rutilant {version}\n");
     for (name, value) in &options.metadata {

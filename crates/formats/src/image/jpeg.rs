@@ -6,9 +6,9 @@
 //!
 //! Source: ITU-T T.81, 1992; JFIF 1.02.
 
-use super::check_size;
+use super::check;
 use super::srgb::{self, Samples};
-use crate::Limits;
+use crate::limits::Limits;
 use ::image::ExtendedColorType;
 use ::image::codecs::jpeg::JpegEncoder;
 use rutilant::image::Image;
@@ -41,7 +41,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions().ok_or("the header has no size")?;
-    check_size(width as u64, height as u64, limits, 3, bytes.len(), EXPANSION)?;
+    check::size(width as u64, height as u64, limits, 3, bytes.len(), EXPANSION)?;
     let (color, channels) = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => (ColorSpace::Luma, 1),
         _ => (ColorSpace::RGB, 3),

@@ -5,8 +5,9 @@
 //!
 //! Source: Debevec, *PFM Portable FloatMap Image Format*; Netpbm's `pfm(5)`.
 
-use super::{check_size, colors};
-use crate::Limits;
+use super::check;
+use crate::limits::Limits;
+use crate::shown::shown;
 use rutilant::image::{Channel, Image};
 
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
@@ -28,19 +29,18 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     };
     let mut number = |what: &str| {
         let word = word(what)?;
-        word.parse::<u32>()
-            .map_err(|_| format!("\"{}\" is not a {what}", shorten(word).escape_debug()))
+        word.parse::<u32>().map_err(|_| format!("\"{}\" is not a {what}", shown(word)))
     };
     let (width, height) = (number("width")?, number("height")?);
     let scale = word("scale")?;
     let scale = match scale.parse::<f32>() {
         Ok(scale) if scale != 0.0 && scale.is_finite() => scale,
-        _ => return Err(format!("\"{}\" is not a scale", shorten(scale).escape_debug())),
+        _ => return Err(format!("\"{}\" is not a scale", shown(scale))),
     };
     // Exactly one blank, and the floats begin.
     let floats = bytes.get(at + 1..).unwrap_or_default();
     let pixel_bytes = 4 * names.len() as u64;
-    check_size(width.into(), height.into(), limits, 0, 0, 0)?;
+    check::size(width.into(), height.into(), limits, 0, 0, 0)?;
     let needed = (u64::from(width) * u64::from(height)).saturating_mul(pixel_bytes);
     if (floats.len() as u64) < needed {
         let (there, row) = (floats.len() as u64, u64::from(width) * pixel_bytes);
@@ -70,7 +70,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
 pub(super) fn write(image: &Image) -> Result<Vec<u8>, String> {
     let (width, height) = (image.width(), image.height());
     let is_grey = image.channel("Y").is_some();
-    let pixels = colors(image)?;
+    let pixels = check::colors(image)?;
     let kind = if is_grey { "Pf" } else { "PF" };
     let mut bytes = format!("{kind}\n{width} {height}\n-1.0\n").into_bytes();
     for row in pixels.chunks_exact(width as usize).rev() {
@@ -80,8 +80,4 @@ pub(super) fn write(image: &Image) -> Result<Vec<u8>, String> {
         }
     }
     Ok(bytes)
-}
-
-fn shorten(word: &str) -> String {
-    word.chars().take(32).collect()
 }

@@ -5,9 +5,9 @@
 //!
 //! Source: *Portable Network Graphics Specification*, 3rd ed., W3C, 2025.
 
-use super::check_size;
+use super::check;
 use super::srgb::{self, Samples};
-use crate::Limits;
+use crate::limits::Limits;
 use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
 use rutilant::image::Image;
@@ -28,7 +28,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     let (Some(width), Some(height)) = (size(16), size(20)) else {
         return Err("the file ends in its header".to_owned());
     };
-    check_size(width, height, limits, 1, bytes.len(), EXPANSION)?;
+    check::size(width, height, limits, 1, bytes.len(), EXPANSION)?;
 
     let mut allowed = ::image::Limits::no_limits();
     allowed.max_alloc = Some(WORKSPACE.saturating_add(width * height * 8));
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
         PngDecoder::with_limits(Cursor::new(bytes), allowed).map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
-    check_size(width.into(), height.into(), limits, 1, bytes.len(), EXPANSION)?;
+    check::size(width.into(), height.into(), limits, 1, bytes.len(), EXPANSION)?;
     let channels = usize::from(color.channel_count());
     let total = usize::try_from(decoder.total_bytes()).map_err(|e| e.to_string())?;
     let mut buffer = vec![0; total];

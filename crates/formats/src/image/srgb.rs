@@ -1,7 +1,6 @@
-//! From sRGB codes to light, with the same bits on every machine.
-//!
-//! Source: IEC 61966-2-1:1999.
+//! The images of formats that hold sRGB codes: from codes to light.
 
+use rutilant::display::linear_from_srgb;
 use rutilant::image::{Channel, Image};
 use std::sync::LazyLock;
 
@@ -11,13 +10,7 @@ static LIGHT_8: LazyLock<Vec<f32>> = LazyLock::new(|| table(u8::MAX.into()));
 static LIGHT_16: LazyLock<Vec<f32>> = LazyLock::new(|| table(u16::MAX.into()));
 
 fn table(last: u32) -> Vec<f32> {
-    (0..=last).map(|code| light(f64::from(code) / f64::from(last)) as f32).collect()
-}
-
-/// Computed in f64 and rounded once, so the result is the nearest f32. `libm` is the same code on
-/// every machine.
-fn light(code: f64) -> f64 {
-    if code <= 0.04045 { code / 12.92 } else { libm::pow((code + 0.055) / 1.055, 2.4) }
+    (0..=last).map(|code| linear_from_srgb(f64::from(code) / f64::from(last)) as f32).collect()
 }
 
 /// The image of decoded 8- or 16-bit samples: (height, width, channel), row 0 on top. With one or

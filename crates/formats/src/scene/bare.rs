@@ -1,8 +1,11 @@
 //! A mesh file on its own, made a scene: grey where it has no material, under an even sky.
 
+use super::files::Fence;
 use super::framing::frame_all;
-use super::{LoadedScene, mesh_file};
-use crate::{ReadOptions, SceneError, SceneErrorKind, Source};
+use super::loaded::LoadedScene;
+use super::mesh_file;
+use crate::error::SceneError;
+use crate::options::ReadOptions;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::light::Environment;
@@ -15,20 +18,17 @@ use std::path::Path;
 
 /// Reads a mesh file of any kind.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
-    let refuse = |what: String| {
-        let kind = SceneErrorKind::Invalid(what);
-        SceneError { at: Source::file(path), kind }
-    };
-    let file = mesh_file::read(path, &options.limits)?;
+    let file = mesh_file::read(path, &options.limits, &Fence::asked(path, options))?;
     let (mut scene, settings, mut notes) = (empty(), Settings::default(), file.notes);
+    let note = |what: &str| format!("{}: {what}", path.display());
 
     // The file's materials, and grey for what has none.
     let materials = mesh_file::adopt(&mut scene, file.materials);
     let bare = |name: &Option<String>| name.as_ref().is_none_or(|n| !materials.contains_key(n));
     if let Some(without) = mesh_file::without_material(&file.meshes, &materials) {
-        notes.push(format!("{without}: matte grey stands in"));
+        notes.push(note(&format!("{without}: matte grey stands in")));
     } else if file.meshes.iter().any(|(_, name)| bare(name)) {
-        notes.push("the file has no materials: matte grey stands in".to_owned());
+        notes.push(note("the file has no materials: matte grey stands in"));
     }
     let backup = scene.add_material(grey());
     for (mesh, name) in file.meshes {
@@ -40,11 +40,17 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     // Light and a camera.
     scene.environment = Some(Environment::constant(Rgb::WHITE));
     scene.camera = frame_all(&scene, settings.size)
-        .ok_or_else(|| refuse("there is nothing to see: no vertex is a finite point".to_owned()))?
+        .ok_or_else(|| {
+            let what = "there is nothing to see: no vertex is a finite point";
+            SceneError::invalid_file(path, what)
+        })?
         .into();
-    notes.push("a mesh has no sky and no camera: an even white sky lights it, and the camera was chosen to see all of it".to_owned());
+    notes.push(note(
+        "a mesh has no sky and no camera: an even white sky lights it, and the camera was chosen \
+         to see all of it",
+    ));
 
-    scene.validate().map_err(|problem| refuse(problem.to_string()))?;
+    scene.validate().map_err(|problem| SceneError::invalid_file(path, problem.to_string()))?;
     Ok(LoadedScene { scene, settings, display: Default::default(), notes })
 }
 

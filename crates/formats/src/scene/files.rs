@@ -1,14 +1,46 @@
 //! The files that a scene names: found beside it, and nowhere else unless allowed.
 
-use super::nearest::shown;
-use crate::{Limits, ReadOptions, SceneError, SceneErrorKind, Source};
+use crate::file;
+use crate::options::ReadOptions;
+use crate::shown::shown;
 use std::fs;
+use std::io;
 use std::path::{Component, Path, PathBuf};
+
+/// The folder that all files of a scene must lie in, symbolic links followed; or none, where the
+/// caller allows any.
+#[derive(Clone, Debug)]
+pub(super) struct Fence(Option<PathBuf>);
+
+impl Fence {
+    /// Around the folder of `scene`.
+    pub(super) fn around(scene: &Path) -> Self {
+        Self(Some(file::folder(scene).to_owned()))
+    }
+
+    /// Around the folder of `scene`, unless the caller allows any.
+    pub(super) fn asked(scene: &Path, options: &ReadOptions<'_>) -> Self {
+        if options.allow_outside { Self(None) } else { Self::around(scene) }
+    }
+
+    /// Whether any file will do.
+    pub(super) fn is_open(&self) -> bool {
+        self.0.is_none()
+    }
+
+    /// Whether a path without links in it lies inside.
+    pub(super) fn holds(&self, resolved: &Path) -> bool {
+        let inside = |folder: PathBuf| resolved.starts_with(folder);
+        self.0.as_ref().is_none_or(|folder| folder.canonicalize().is_ok_and(inside))
+    }
+}
 
 /// Where the files of one scene are looked for.
 pub(super) struct Files<'o> {
     folder: PathBuf,
-    options: &'o ReadOptions<'o>,
+    /// Where they may lie.
+    pub(super) fence: Fence,
+    embedded: &'o [(&'o str, &'o [u8])],
 }
 
 /// A file that exists and may be read.
@@ -22,47 +54,43 @@ pub(super) struct Found {
 impl<'o> Files<'o> {
     /// The files beside `scene`.
     pub(super) fn beside(scene: &Path, options: &'o ReadOptions<'o>) -> Self {
-        Self { folder: scene.parent().unwrap_or(Path::new("")).to_owned(), options }
+        Self {
+            folder: scene.parent().unwrap_or(Path::new("")).to_owned(),
+            fence: Fence::asked(scene, options),
+            embedded: options.embedded,
+        }
     }
 
     /// The bytes carried along under `name`.
     pub(super) fn embedded(&self, name: &str) -> Option<&'o [u8]> {
-        self.options.embedded.iter().find(|(n, _)| *n == name).map(|(_, bytes)| *bytes)
+        self.embedded.iter().find(|(n, _)| *n == name).map(|(_, bytes)| *bytes)
     }
 
     /// The file `name`, or what is wrong with it.
     pub(super) fn find(&self, name: &str) -> Result<Found, String> {
         let quoted = shown(name);
-        if !self.options.allow_outside && leaves(Path::new(name)) {
+        if !self.fence.is_open() && leaves(Path::new(name)) {
             return Err(format!("\"{quoted}\" leads out of the scene's folder; {HINT}"));
         }
         let path = self.folder.join(name);
         let identity = path.canonicalize().map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound if name.contains('\\') => {
+            io::ErrorKind::NotFound if name.contains('\\') => {
                 format!("there is no file \"{quoted}\"; write / between folders, not \\")
             }
-            std::io::ErrorKind::NotFound => {
-                format!("there is no file \"{quoted}\" beside the scene")
-            }
+            io::ErrorKind::NotFound => format!("there is no file \"{quoted}\" beside the scene"),
             _ => format!("\"{quoted}\" cannot be read: {error}"),
         })?;
-        if !self.options.allow_outside && !self.holds(&identity) {
+        if !self.fence.holds(&identity) {
             return Err(format!(
                 "\"{quoted}\" leads out of the scene's folder through a symbolic link; {HINT}"
             ));
         }
-        match fs::metadata(&identity) {
-            Ok(found) if found.is_file() => Ok(Found { path, identity }),
-            Ok(found) if found.is_dir() => Err(format!("\"{quoted}\" is a folder, not a file")),
-            Ok(_) => Err(format!("\"{quoted}\" is not a regular file")),
-            Err(error) => Err(format!("\"{quoted}\" cannot be read: {error}")),
+        let metadata = fs::metadata(&identity)
+            .map_err(|error| format!("\"{quoted}\" cannot be read: {error}"))?;
+        match file::not_regular(&metadata) {
+            None => Ok(Found { path, identity }),
+            Some(what) => Err(format!("\"{quoted}\" is {what}, not a file")),
         }
-    }
-
-    /// Whether a resolved path lies in the scene's folder, links followed on both sides.
-    fn holds(&self, resolved: &Path) -> bool {
-        let here = if self.folder.as_os_str().is_empty() { Path::new(".") } else { &self.folder };
-        here.canonicalize().is_ok_and(|folder| resolved.starts_with(folder))
     }
 }
 
@@ -87,18 +115,4 @@ fn leaves(path: &Path) -> bool {
             }
         },
     })
-}
-
-/// Refuses what would block or never end (pipes, devices), and what is larger than allowed.
-pub(crate) fn check_regular(path: &Path, limits: &Limits) -> Result<(), SceneError> {
-    let kind = match fs::metadata(path) {
-        Err(error) => SceneErrorKind::Io(error),
-        Ok(found) if found.is_dir() => SceneErrorKind::Invalid("a folder, not a file".to_owned()),
-        Ok(found) if !found.is_file() => SceneErrorKind::Invalid("not a regular file".to_owned()),
-        Ok(found) if found.len() > limits.file_bytes => {
-            SceneErrorKind::Limit { what: "bytes", asked: found.len(), allowed: limits.file_bytes }
-        }
-        Ok(_) => return Ok(()),
-    };
-    Err(SceneError { at: Source::file(path), kind })
 }

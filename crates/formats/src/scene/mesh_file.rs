@@ -1,9 +1,12 @@
 //! Mesh files of any format, alone or named by a scene.
 
-use super::nearest::shown;
+use super::files::Fence;
 use super::obj::{self, ObjScene};
 use super::ply;
-use crate::{Limits, SceneError, SceneErrorKind, Source};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::file;
+use crate::limits::Limits;
+use crate::shown::shown;
 use rutilant::material::{Material, MaterialKind};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::shape::Mesh;
@@ -11,26 +14,25 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// Meshes with the names of their materials, the materials, and what a person should know.
-type MeshReader = fn(&Path, &Limits) -> Result<ObjScene, SceneError>;
+type MeshReader = fn(&Path, &Limits, &Fence) -> Result<ObjScene, SceneError>;
 
 /// Every kind of mesh file, by its extension.
-const MESHES: &[(&str, MeshReader)] = &[("obj", obj::read), ("ply", read_ply)];
+const MESHES: &[(&str, MeshReader)] = &[("obj", obj::read_within), ("ply", read_ply)];
 
-/// Reads a mesh file of any kind.
-pub(super) fn read(path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let extension = extension.unwrap_or_default();
+/// Reads a mesh file of any kind. What it names in turn must lie inside the `fence`.
+pub(super) fn read(path: &Path, limits: &Limits, fence: &Fence) -> Result<ObjScene, SceneError> {
+    let extension = file::extension(path);
     match MESHES.iter().find(|(name, _)| *name == extension) {
-        Some((_, read)) => read(path, limits),
+        Some((_, read)) => read(path, limits, fence),
         None => {
-            let what = "meshes are read from .obj and .ply files only".to_owned();
-            Err(SceneError { at: Source::file(path), kind: SceneErrorKind::Unsupported(what) })
+            let what = file::unknown_format("mesh", path, MESHES.iter().map(|(name, _)| *name));
+            Err(SceneError::in_file(path, SceneErrorKind::Unsupported(what)))
         }
     }
 }
 
 /// A PLY file is an OBJ file with one mesh and no materials.
-fn read_ply(path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
+fn read_ply(path: &Path, limits: &Limits, _: &Fence) -> Result<ObjScene, SceneError> {
     let (mesh, notes) = ply::read(path, limits)?;
     Ok(ObjScene { meshes: vec![(mesh, None)], materials: Vec::new(), notes })
 }

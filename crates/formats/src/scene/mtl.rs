@@ -17,8 +17,11 @@
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995.
 
-use super::text::{self, Cursor, place, quoted};
-use crate::{Limits, SceneError, SceneErrorKind, Source, file};
+use super::text::{Cursor, place, word_at};
+use crate::error::{SceneError, SceneErrorKind, Source};
+use crate::file;
+use crate::limits::Limits;
+use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
 use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Mirror};
 use std::collections::{BTreeMap, HashSet};
@@ -35,8 +38,7 @@ pub(super) struct Library {
 
 /// The materials in the MTL file at `path`.
 pub(super) fn read(path: &Path, limits: &Limits) -> Result<Library, SceneError> {
-    let bytes = file::bytes(path, limits).map_err(|refused| text::refused(path, refused))?;
-    read_bytes(&bytes, path)
+    read_bytes(&file::scene_bytes(path, limits)?, path)
 }
 
 /// As [`read`], for the content of a file; `path` is only for messages.
@@ -106,13 +108,7 @@ const MOST_NOTES: usize = 64;
 impl<'a> Parser<'a> {
     fn lines(&mut self) -> Result<(), SceneError> {
         let mut current: Option<Written> = None;
-        while self.cursor.peek().is_some() {
-            if self.cursor.line_is_done() {
-                self.cursor.skip_line();
-                continue;
-            }
-            let at = self.cursor.at;
-            let keyword = self.cursor.word();
+        while let Some((at, keyword)) = self.cursor.statement() {
             if keyword == b"newmtl" {
                 let name = self.cursor.name();
                 if name.is_empty() {
@@ -189,7 +185,7 @@ impl<'a> Parser<'a> {
         let mut option = self.cursor;
         match option.word() {
             b"spectral" | b"xyz" => {
-                let what = format!("{} by spectrum or xyz is not read", text::decode(keyword));
+                let what = format!("{} by spectrum or xyz is not read", decode(keyword));
                 self.note(at, &what);
                 return Ok(None);
             }
@@ -203,19 +199,19 @@ impl<'a> Parser<'a> {
 
     fn number(&mut self, keyword: &[u8]) -> Result<f32, SceneError> {
         if self.cursor.line_is_done() {
-            let what = format!("{} needs a number", text::decode(keyword));
+            let what = format!("{} needs a number", decode(keyword));
             return Err(self.invalid(self.cursor.at, what));
         }
         let at = self.cursor.at;
         match self.cursor.number() {
             Some(number) if number.is_finite() => Ok(number),
             Some(number) => {
-                let keyword = text::decode(keyword);
-                let what = format!("{keyword} is {number}, but must be a finite number");
+                let keyword = decode(keyword);
+                let what = format!("{keyword} is {number}, but must be finite");
                 Err(self.invalid(at, what))
             }
             None => {
-                let word = quoted(self.cursor.word());
+                let word = word_at(self.bytes, at);
                 Err(self.invalid(at, format!("{word} is not a number")))
             }
         }

@@ -12,10 +12,14 @@
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, Appendix B1, 1992.
 
+use super::files::Fence;
 use super::mtl;
 use super::polygon::Triangulator;
-use super::text::{self, Cursor, place, quoted};
-use crate::{Limits, SceneError, SceneErrorKind, Source, file};
+use super::text::{Cursor, place, word_at};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::file;
+use crate::limits::Limits;
+use crate::shown::quoted;
 use rutilant::material::Material;
 use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3};
@@ -37,18 +41,28 @@ pub struct ObjScene {
 /// The meshes in the OBJ file at `path` and the materials in the MTL files it names.
 ///
 /// MTL files are looked for in the folder of the OBJ file and below, never
-/// above. A missing one is a note, not an error: the meshes keep the names of
-/// their materials.
+/// above, symbolic links followed. A missing one is a note, not an error: the
+/// meshes keep the names of their materials.
 ///
 /// # Errors
 /// A file that cannot be read, breaks the format or exceeds the `limits`.
 pub fn read(path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
-    let bytes = file::bytes(path, limits).map_err(|refused| text::refused(path, refused))?;
+    read_within(path, limits, &Fence::around(path))
+}
+
+/// As [`read`], with MTL files from anywhere inside the `fence`: that of the scene which names
+/// the OBJ file.
+pub(super) fn read_within(
+    path: &Path,
+    limits: &Limits,
+    fence: &Fence,
+) -> Result<ObjScene, SceneError> {
+    let bytes = file::scene_bytes(path, limits)?;
     let mut parsed = parse(&bytes, path, limits)?;
     // What follows needs memory, and the text no more.
     drop(bytes);
 
-    parsed.read_libraries()?;
+    parsed.read_libraries(fence)?;
     parsed.build()
 }
 
@@ -196,13 +210,7 @@ impl Count {
 impl Parser<'_, '_> {
     fn lines(&mut self) -> Result<(), SceneError> {
         let mut known = false;
-        while self.cursor.peek().is_some() {
-            if self.cursor.line_is_done() {
-                self.cursor.skip_line();
-                continue;
-            }
-            let at = self.cursor.at;
-            let keyword = self.cursor.word();
+        while let Some((at, keyword)) = self.cursor.statement() {
             match keyword {
                 b"v" => {
                     let [x, y, z] = self.numbers("v", 3)?;
@@ -248,8 +256,8 @@ impl Parser<'_, '_> {
         }
         if !known && self.left_out.unknown.count > 0 {
             let at = self.left_out.unknown.first;
-            let word = Cursor::at(self.bytes, at).word();
-            return Err(self.invalid(at, format!("{} begins no OBJ statement", quoted(word))));
+            let word = word_at(self.bytes, at);
+            return Err(self.invalid(at, format!("{word} begins no OBJ statement")));
         }
         self.write_notes();
         Ok(())
@@ -312,7 +320,7 @@ impl Parser<'_, '_> {
                 && ((first.vt == NONE) != (corner.vt == NONE)
                     || (first.vn == NONE) != (corner.vn == NONE))
             {
-                let word = quoted(Cursor::at(self.bytes, start).word());
+                let word = word_at(self.bytes, start);
                 let what = format!("{word} is not of the form of the face's first corner");
                 return Err(self.invalid(start, what));
             }
@@ -374,7 +382,7 @@ impl Parser<'_, '_> {
         if self.cursor.word_is_done() {
             return Ok(corner);
         }
-        let word = quoted(Cursor::at(self.bytes, start).word());
+        let word = word_at(self.bytes, start);
         let what = format!("{word} is not a corner; those are v, v/vt, v//vn or v/vt/vn");
         Err(self.invalid(start, what))
     }
@@ -388,7 +396,7 @@ impl Parser<'_, '_> {
     fn index(&mut self, what: &str, count: usize) -> Result<u32, SceneError> {
         let start = self.cursor.at;
         let Some(index) = self.cursor.whole_number() else {
-            let word = quoted(Cursor::at(self.bytes, start).word());
+            let word = word_at(self.bytes, start);
             return Err(self.invalid(start, format!("{word} is not a {what} number")));
         };
         // Counts fit 32 bits, so nothing here overflows.
@@ -406,7 +414,7 @@ impl Parser<'_, '_> {
 
     #[cold]
     fn not_a_number(&self) -> SceneError {
-        let word = quoted(Cursor::at(self.bytes, self.cursor.at).word());
+        let word = word_at(self.bytes, self.cursor.at);
         self.invalid(self.cursor.at, format!("{word} is not a number"))
     }
 
@@ -422,7 +430,7 @@ impl Parser<'_, '_> {
 
     fn write_notes(&mut self) {
         let left_out = std::mem::take(&mut self.left_out);
-        let unknown = quoted(Cursor::at(self.bytes, left_out.unknown.first).word());
+        let unknown = word_at(self.bytes, left_out.unknown.first);
         let kinds = [
             (left_out.points_and_lines, "points and lines".to_owned()),
             (left_out.free_form, "statements of free-form curves and surfaces".to_owned()),
@@ -453,14 +461,14 @@ impl Parsed<'_> {
     }
 
     /// Adds the materials of all MTL files.
-    fn read_libraries(&mut self) -> Result<(), SceneError> {
+    fn read_libraries(&mut self, fence: &Fence) -> Result<(), SceneError> {
         let mut known = HashSet::new();
         let mut paths = Vec::new();
         for name in std::mem::take(&mut self.libraries) {
-            self.find_libraries(&name, &mut paths);
+            self.find_libraries(&name, fence, &mut paths);
         }
         if paths.len() > MOST_LIBRARIES {
-            return Err(SceneError { at: Source::file(self.path), kind: too_many_libraries() });
+            return Err(SceneError::in_file(self.path, too_many_libraries()));
         }
         let none = paths.is_empty();
         for path in paths {
@@ -484,17 +492,14 @@ impl Parsed<'_> {
 
     /// Finds the MTL files of one statement. It may name several, and a name may hold blanks: if
     /// there is no file of the whole name, its words are tried.
-    fn find_libraries(&mut self, name: &str, found: &mut Vec<PathBuf>) {
-        let folder = match self.path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        if let Some(path) = find_below(folder, name) {
+    fn find_libraries(&mut self, name: &str, fence: &Fence, found: &mut Vec<PathBuf>) {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        if let Some(path) = find_library(folder, name, fence) {
             found.push(path);
             return;
         }
         let words = name.split_ascii_whitespace().take(MOST_LIBRARIES);
-        match words.map(|word| find_below(folder, word)).collect::<Option<Vec<_>>>() {
+        match words.map(|word| find_library(folder, word, fence)).collect::<Option<Vec<_>>>() {
             Some(paths) => found.extend(paths),
             None => {
                 let name = quoted(name.as_bytes());
@@ -580,7 +585,7 @@ impl Parsed<'_> {
         let allowed = self.limits.vertices;
         if asked > allowed {
             let kind = SceneErrorKind::Limit { what: "vertices", asked, allowed };
-            return Err(SceneError { at: Source::file(self.path), kind });
+            return Err(SceneError::in_file(self.path, kind));
         }
         let material = match group.material {
             Some(material) => format!("material {}", quoted(self.materials[material].as_bytes())),
@@ -674,22 +679,20 @@ impl Welder {
     }
 }
 
-/// The file `name` in `folder` or below, if there is one. Names that lead elsewhere, which often
-/// are paths of the machine that wrote the file, are looked for by their last part.
-fn find_below(folder: &Path, name: &str) -> Option<PathBuf> {
+/// The file `name`, counted from `folder`, if it is there and inside the `fence`. Names that lead
+/// elsewhere, which often are paths of the machine that wrote the file, are looked for by their
+/// last part.
+fn find_library(folder: &Path, name: &str, fence: &Fence) -> Option<PathBuf> {
     let name = name.trim_matches('"').replace('\\', "/");
-    let root = folder.canonicalize().ok()?;
     let last = name.rsplit('/').next().unwrap_or_default();
-    for relative in [Path::new(&*name), Path::new(last)] {
-        let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);
-        let path = folder.join(relative);
-        if relative.components().all(plain)
-            && path.is_file()
-            // A symbolic link may lead out of the folder.
-            && path.canonicalize().is_ok_and(|path| path.starts_with(&root))
-        {
-            return Some(path);
-        }
-    }
-    None
+    let starts_at_root = |path: &Path| {
+        path.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir))
+    };
+    [&*name, last].into_iter().map(Path::new).find_map(|name| {
+        // Elsewhere's paths start at a root, and asking after one could wake another machine.
+        let may_be_inside = fence.is_open() || !starts_at_root(name);
+        let path = folder.join(name);
+        let is_inside = || path.canonicalize().is_ok_and(|resolved| fence.holds(&resolved));
+        (may_be_inside && path.is_file() && is_inside()).then_some(path)
+    })
 }

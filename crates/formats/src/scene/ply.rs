@@ -13,8 +13,11 @@
 //! coordinates are those that Blender, MeshLab, pbrt and LuxCore write.
 
 use super::polygon::Triangulator;
-use super::text::{self, Cursor, place, quoted};
-use crate::{Limits, SceneError, SceneErrorKind, Source, file};
+use super::text::{self, Cursor, place, word_at};
+use crate::error::{SceneError, SceneErrorKind, Source};
+use crate::file;
+use crate::limits::Limits;
+use crate::shown::{decode, quoted, shown};
 use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3};
 use std::path::Path;
@@ -24,8 +27,7 @@ use std::path::Path;
 /// # Errors
 /// A file that cannot be read, breaks the format, ends early or exceeds the `limits`.
 pub fn read(path: &Path, limits: &Limits) -> Result<(Mesh, Vec<String>), SceneError> {
-    let bytes = file::bytes(path, limits).map_err(|refused| text::refused(path, refused))?;
-    read_bytes(&bytes, path, limits)
+    read_bytes(&file::scene_bytes(path, limits)?, path, limits)
 }
 
 /// As [`read`], for the content of a file; `path` is only for messages.
@@ -148,158 +150,170 @@ struct Header {
 
 impl Header {
     fn read(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
-        let invalid = |at: usize, what: String| SceneError {
-            at: place(path, bytes, at),
-            kind: SceneErrorKind::Invalid(what),
-        };
         let mut cursor = Cursor::new(bytes);
         if cursor.word() != b"ply" {
-            return Err(SceneError {
-                at: Source::file(path),
-                kind: SceneErrorKind::Invalid(
-                    "this is not a PLY file: it does not begin with \"ply\"".to_owned(),
-                ),
-            });
+            let what = "this is not a PLY file: it does not begin with \"ply\"";
+            return Err(SceneError::invalid_file(path, what));
         }
+        let mut reader = HeaderReader { bytes, path, cursor };
         let mut format = None;
         let mut elements: Vec<Element> = Vec::new();
         loop {
-            // To the next line that has a word on it.
-            let line = cursor.at;
-            skip_header_line(&mut cursor);
-            if cursor.peek().is_none() && line == cursor.at {
-                return Err(invalid(cursor.at, "the header has no \"end_header\"".to_owned()));
-            }
-            let mut words = HeaderWords { cursor };
-            let (at, keyword) = words.next();
-            cursor = words.cursor;
+            reader.next_line()?;
+            let (at, keyword) = reader.word();
             match keyword {
                 b"" | b"comment" | b"obj_info" => {}
-                b"end_header" => break,
-                b"format" => {
-                    let (at, name) = words.next();
-                    format = Some(match name {
-                        b"ascii" => Format::Ascii,
-                        b"binary_little_endian" => Format::Little,
-                        b"binary_big_endian" => Format::Big,
-                        _ => {
-                            return Err(invalid(
-                                at,
-                                format!(
-                                    "no format {}; there are ascii, binary_little_endian and \
-                                     binary_big_endian",
-                                    quoted(name)
-                                ),
-                            ));
-                        }
-                    });
-                    let (at, version) = words.next();
-                    if version != b"1.0" {
-                        let what =
-                            format!("PLY version {}, but only 1.0 is known", quoted(version));
-                        return Err(invalid(at, what));
-                    }
-                }
+                b"format" => format = Some(reader.format()?),
                 b"element" => {
-                    let (name_at, name) = words.next();
-                    let name = text::decode(name);
-                    if elements.iter().any(|e| e.name == name) {
-                        let what = format!("element {} is declared twice", quoted(name.as_bytes()));
-                        return Err(invalid(name_at, what));
-                    }
-                    let (count_at, count) = words.next();
-                    let Some(count) = count_of(count) else {
-                        let what = format!("{} is not a count of elements", quoted(count));
-                        return Err(invalid(count_at, what));
-                    };
-                    elements.push(Element { name, count, properties: Vec::new(), at });
+                    let element = reader.element(at, &elements)?;
+                    elements.push(element);
                 }
                 b"property" => {
                     let Some(element) = elements.last_mut() else {
-                        return Err(invalid(at, "a property before the first element".to_owned()));
+                        return Err(reader.invalid(at, "a property before the first element"));
                     };
-                    let scalar = |(at, word): (usize, &[u8])| {
-                        Scalar::from_name(word).ok_or_else(|| {
-                            let what = format!(
-                                "no type {}; there are char, uchar, short, ushort, int, uint, \
-                                 float and double",
-                                quoted(word)
-                            );
-                            invalid(at, what)
-                        })
-                    };
-                    let (first_at, first) = words.next();
-                    let (count, scalar) = if first == b"list" {
-                        let (count_at, count) = words.next();
-                        let count = scalar((count_at, count))?;
-                        if !count.is_integer() {
-                            let what = "the count of a list must be of an integer type".to_owned();
-                            return Err(invalid(count_at, what));
-                        }
-                        (Some(count), scalar(words.next())?)
-                    } else {
-                        (None, scalar((first_at, first))?)
-                    };
-                    let (name_at, name) = words.next();
-                    if name.is_empty() {
-                        return Err(invalid(name_at, "the property has no name".to_owned()));
-                    }
-                    element.properties.push(Property {
-                        name: text::decode(name),
-                        count,
-                        scalar,
-                        at,
-                    });
+                    element.properties.push(reader.property(at)?);
                 }
+                b"end_header" => break,
                 _ => {
                     let what = format!(
                         "no header keyword {}; there are format, comment, obj_info, element, \
                          property and end_header",
                         quoted(keyword)
                     );
-                    return Err(invalid(at, what));
+                    return Err(reader.invalid(at, what));
                 }
             }
         }
         let Some(format) = format else {
-            return Err(invalid(cursor.at, "the header has no \"format\" line".to_owned()));
+            return Err(reader.invalid(reader.cursor.at, "the header has no \"format\" line"));
         };
-        skip_header_line(&mut cursor);
-        Ok(Self { format, elements, end: cursor.at })
+        reader.skip_line();
+        Ok(Self { format, elements, end: reader.cursor.at })
     }
 }
 
-/// To the beginning of the next line. Nothing but its own end is taken: the body may begin there.
-fn skip_header_line(cursor: &mut Cursor<'_>) {
-    let rest = cursor.rest();
-    let length = rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
-    cursor.at += length;
-    cursor.take(b'\r');
-    cursor.take(b'\n');
-}
-
-/// The words of one header line; empty ones when it has no more.
-struct HeaderWords<'a> {
+/// Reads the lines of a header, word by word.
+struct HeaderReader<'a> {
+    bytes: &'a [u8],
+    path: &'a Path,
     cursor: Cursor<'a>,
 }
 
-impl<'a> HeaderWords<'a> {
-    fn next(&mut self) -> (usize, &'a [u8]) {
-        while matches!(self.cursor.peek(), Some(b' ' | b'\t' | 0x0b | 0x0c)) {
+impl<'a> HeaderReader<'a> {
+    /// Goes to the next line, which there must be.
+    fn next_line(&mut self) -> Result<(), SceneError> {
+        let before = self.cursor.at;
+        self.skip_line();
+        if self.cursor.peek().is_none() && self.cursor.at == before {
+            return Err(self.invalid(before, "the header has no \"end_header\""));
+        }
+        Ok(())
+    }
+
+    /// To the beginning of the next line. Nothing but its own end is taken: the body may begin
+    /// there.
+    fn skip_line(&mut self) {
+        let rest = self.cursor.rest();
+        let length = rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
+        self.cursor.at += length;
+        self.cursor.take(b'\r');
+        self.cursor.take(b'\n');
+    }
+
+    /// The next word of the line, and its place; an empty one where the line has no more.
+    fn word(&mut self) -> (usize, &'a [u8]) {
+        while self.cursor.peek().is_some_and(text::is_blank) {
             self.cursor.at += 1;
         }
-        let at = self.cursor.at;
-        (at, self.cursor.word())
+        (self.cursor.at, self.cursor.word())
+    }
+
+    /// What follows the keyword `format`.
+    fn format(&mut self) -> Result<Format, SceneError> {
+        let (at, name) = self.word();
+        let format = match name {
+            b"ascii" => Format::Ascii,
+            b"binary_little_endian" => Format::Little,
+            b"binary_big_endian" => Format::Big,
+            _ => {
+                let what = format!(
+                    "no format {}; there are ascii, binary_little_endian and binary_big_endian",
+                    quoted(name)
+                );
+                return Err(self.invalid(at, what));
+            }
+        };
+        match self.word() {
+            (_, b"1.0") => Ok(format),
+            (at, version) => {
+                let what = format!("PLY version {}, but only 1.0 is known", quoted(version));
+                Err(self.invalid(at, what))
+            }
+        }
+    }
+
+    /// What follows the keyword `element`, which stands at `at`.
+    fn element(&mut self, at: usize, others: &[Element]) -> Result<Element, SceneError> {
+        let (name_at, name) = self.word();
+        let name = decode(name);
+        if others.iter().any(|e| e.name == name) {
+            let what = format!("element {} is declared twice", quoted(name.as_bytes()));
+            return Err(self.invalid(name_at, what));
+        }
+        let (count_at, count) = self.word();
+        let Some(count) = count_of(count) else {
+            let what = format!("{} is not a count of elements", quoted(count));
+            return Err(self.invalid(count_at, what));
+        };
+        Ok(Element { name, count, properties: Vec::new(), at })
+    }
+
+    /// What follows the keyword `property`, which stands at `at`.
+    fn property(&mut self, at: usize) -> Result<Property, SceneError> {
+        let first = self.word();
+        let (count, scalar) = if first.1 == b"list" {
+            let (count_at, count) = self.word();
+            let count = self.scalar((count_at, count))?;
+            if !count.is_integer() {
+                let what = "the count of a list must be of an integer type";
+                return Err(self.invalid(count_at, what));
+            }
+            let of = self.word();
+            (Some(count), self.scalar(of)?)
+        } else {
+            (None, self.scalar(first)?)
+        };
+        let (name_at, name) = self.word();
+        if name.is_empty() {
+            return Err(self.invalid(name_at, "the property has no name"));
+        }
+        Ok(Property { name: decode(name), count, scalar, at })
+    }
+
+    /// The type that a word names.
+    fn scalar(&self, (at, word): (usize, &[u8])) -> Result<Scalar, SceneError> {
+        Scalar::from_name(word).ok_or_else(|| {
+            let what = format!(
+                "no type {}; there are char, uchar, short, ushort, int, uint, float and double",
+                quoted(word)
+            );
+            self.invalid(at, what)
+        })
+    }
+
+    fn invalid(&self, at: usize, what: impl Into<String>) -> SceneError {
+        let kind = SceneErrorKind::Invalid(what.into());
+        SceneError { at: place(self.path, self.bytes, at), kind }
     }
 }
 
-/// A number without sign; one too large comes out as the largest.
+/// A number without sign, and nothing else; one too large comes out as the largest.
 fn count_of(word: &[u8]) -> Option<u64> {
-    if word.is_empty() || !word.iter().all(u8::is_ascii_digit) {
-        return None;
-    }
-    let digits = word.iter().map(|digit| u64::from(digit - b'0'));
-    Some(digits.fold(0_u64, |n, digit| n.saturating_mul(10).saturating_add(digit)))
+    word.first().filter(|byte| byte.is_ascii_digit())?;
+    let mut cursor = Cursor::at(word, 0);
+    let count = cursor.whole_number()?;
+    u64::try_from(count).ok().filter(|_| cursor.rest().is_empty())
 }
 
 /// Why a number could not be read.
@@ -489,7 +503,8 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn body<B: Body>(&mut self, header: &Header, body: &mut B) -> Result<(), SceneError> {
         if !header.elements.iter().any(|e| e.name == "vertex") {
-            return Err(self.invalid("the header has no element \"vertex\""));
+            let what = "the header has no element \"vertex\"";
+            return Err(SceneError::invalid_file(self.path, what));
         }
 
         // Elements in their order; faces that come before the vertices they name wait.
@@ -563,7 +578,7 @@ impl Reader<'_> {
                 "{} elements \"{}\" are declared, which take at least {least} bytes, but only {} \
                  are left",
                 element.count,
-                element.name.escape_debug(),
+                shown(&element.name),
                 body.left()
             ),
         ))
@@ -572,10 +587,8 @@ impl Reader<'_> {
     fn vertices<B: Body>(&mut self, element: &Element, body: &mut B) -> Result<(), SceneError> {
         let allowed = self.limits.vertices.min(u64::from(u32::MAX));
         if element.count > allowed {
-            return Err(SceneError {
-                at: place(self.path, self.bytes, element.at),
-                kind: SceneErrorKind::Limit { what: "vertices", asked: element.count, allowed },
-            });
+            let kind = SceneErrorKind::Limit { what: "vertices", asked: element.count, allowed };
+            return Err(self.error_at(element.at, kind));
         }
         // The properties wanted: x y z, then a normal, then texture coordinates.
         const NONE: usize = usize::MAX;
@@ -721,10 +734,8 @@ impl Reader<'_> {
         if asked <= allowed {
             return Ok(());
         }
-        Err(SceneError {
-            at: place(self.path, self.bytes, element.at),
-            kind: SceneErrorKind::Limit { what: "triangles", asked, allowed },
-        })
+        let kind = SceneErrorKind::Limit { what: "triangles", asked, allowed };
+        Err(self.error_at(element.at, kind))
     }
 
     /// Which property of a face names its vertices.
@@ -734,12 +745,12 @@ impl Reader<'_> {
         let Some(found) = found else {
             return Err(self.invalid_at(
                 element.at,
-                format!("element \"{}\" has no list \"vertex_indices\"", element.name),
+                format!("element \"{}\" has no list \"vertex_indices\"", shown(&element.name)),
             ));
         };
         let property = &element.properties[found];
         if !property.scalar.is_integer() {
-            let what = format!("\"{}\" must be of an integer type", property.name);
+            let what = format!("\"{}\" must be of an integer type", shown(&property.name));
             return Err(self.invalid_at(property.at, what));
         }
         Ok(found)
@@ -814,7 +825,7 @@ impl Reader<'_> {
                 let what = format!(
                     "{} {i} has a list \"{}\" of {length} numbers, but only {left} bytes are left",
                     singular(&element.name),
-                    property.name.escape_debug()
+                    shown(&property.name)
                 );
                 Err(self.error_in_body(what, body))
             }
@@ -851,12 +862,12 @@ impl Reader<'_> {
     /// One note for all properties of an element that nobody reads.
     fn note_unread(&mut self, element: &Element, read: impl Fn(usize) -> bool) {
         let mut unread = element.properties.iter().enumerate().filter(|(i, _)| !read(*i));
-        let names: Vec<_> =
-            unread.by_ref().take(8).map(|(_, p)| p.name.escape_debug().to_string()).collect();
+        let names: Vec<_> = unread.by_ref().take(8).map(|(_, p)| shown(&p.name)).collect();
         if !names.is_empty() {
             let dots = if unread.next().is_some() { ", …" } else { "" };
             let names = names.join(", ");
-            self.note(&format!("properties of \"{}\" left out: {names}{dots}", element.name));
+            let element = shown(&element.name);
+            self.note(&format!("properties of \"{element}\" left out: {names}{dots}"));
         }
     }
 
@@ -864,15 +875,14 @@ impl Reader<'_> {
         self.notes.push(format!("{}: {what}", self.path.display()));
     }
 
-    fn invalid(&self, what: &str) -> SceneError {
-        let kind = SceneErrorKind::Invalid(what.to_owned());
-        SceneError { at: Source::file(self.path), kind }
+    /// A mistake in the header.
+    fn invalid_at(&self, at: usize, what: String) -> SceneError {
+        self.error_at(at, SceneErrorKind::Invalid(what))
     }
 
     /// An error in the header.
-    fn invalid_at(&self, at: usize, what: String) -> SceneError {
-        let at = place(self.path, self.bytes, at);
-        SceneError { at, kind: SceneErrorKind::Invalid(what) }
+    fn error_at(&self, at: usize, kind: SceneErrorKind) -> SceneError {
+        SceneError { at: place(self.path, self.bytes, at), kind }
     }
 
     /// An error at the next number of the body.
@@ -896,7 +906,8 @@ impl Reader<'_> {
             Trouble::NotANumber => {
                 let mut there = Cursor::at(self.bytes, body.at());
                 there.skip_space();
-                format!("{} in {name} {i} is not a number of its type", quoted(there.word()))
+                let word = word_at(self.bytes, there.at);
+                format!("{word} in {name} {i} is not a number of its type")
             }
         };
         self.error_in_body(what, body)
@@ -907,6 +918,6 @@ impl Reader<'_> {
 fn singular(name: &str) -> String {
     match name {
         "tristrips" => "strip".to_owned(),
-        name => name.escape_debug().to_string(),
+        name => shown(name),
     }
 }

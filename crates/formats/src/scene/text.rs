@@ -3,8 +3,8 @@
 //! Nothing here copies or decodes the text. A reader remembers byte positions;
 //! only an error asks which line and column one of them is.
 
-use crate::file::Refused;
-use crate::{SceneError, SceneErrorKind, Source};
+use crate::error::Source;
+use crate::shown::{decode, quoted};
 use std::path::Path;
 
 /// A place in a text that moves forward.
@@ -73,6 +73,17 @@ impl<'a> Cursor<'a> {
     pub(super) fn line_is_done(&mut self) -> bool {
         self.skip_blanks();
         self.peek().is_none_or(|byte| matches!(byte, b'\n' | b'\r' | b'#'))
+    }
+
+    /// Skips empty lines and comments, and takes the first word of the next statement; with its
+    /// place. `None` at the end of the text.
+    #[inline]
+    pub(super) fn statement(&mut self) -> Option<(usize, &'a [u8])> {
+        while self.line_is_done() {
+            self.peek()?;
+            self.skip_line();
+        }
+        Some((self.at, self.word()))
     }
 
     /// Skips the rest of this line and its end, continuations included.
@@ -188,7 +199,7 @@ impl<'a> Cursor<'a> {
 }
 
 #[inline]
-fn is_blank(byte: u8) -> bool {
+pub(super) fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | 0x0b | 0x0c)
 }
 
@@ -264,20 +275,9 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
-/// Text of a file as a name: UTF-8, or else the Latin-1 that older exporters write.
-pub(super) fn decode(bytes: &[u8]) -> String {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => text.to_owned(),
-        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
-    }
-}
-
-/// A word of a file for a message: in quotes, escaped and not endless.
-pub(super) fn quoted(word: &[u8]) -> String {
-    const LONGEST: usize = 32;
-    let shown = decode(&word[..word.len().min(LONGEST)]);
-    let dots = if word.len() > LONGEST { "…" } else { "" };
-    format!("\"{}{dots}\"", shown.escape_debug())
+/// The word at byte `at`, for a message.
+pub(super) fn word_at(bytes: &[u8], at: usize) -> String {
+    quoted(Cursor::at(bytes, at).word())
 }
 
 /// The place of byte `at` in the text `bytes` of `file`.
@@ -296,18 +296,6 @@ pub(super) fn place(file: &Path, bytes: &[u8], at: usize) -> Source {
     // In UTF-8 every character has one byte that is not of the form 10xxxxxx.
     let column = before[start..].iter().filter(|&&byte| byte & 0xc0 != 0x80).count() + 1;
     Source::at(file, line, u32::try_from(column).unwrap_or(u32::MAX))
-}
-
-/// An error of the file as a whole, because its bytes could not be had.
-pub(super) fn refused(file: &Path, refused: Refused) -> SceneError {
-    let kind = match refused {
-        Refused::NotAFile(_) => SceneErrorKind::Invalid(refused.to_string()),
-        Refused::TooLarge { asked, allowed } => {
-            SceneErrorKind::Limit { what: "bytes", asked, allowed }
-        }
-        Refused::Io(error) => SceneErrorKind::Io(error),
-    };
-    SceneError { at: Source::file(file), kind }
 }
 
 #[cfg(test)]

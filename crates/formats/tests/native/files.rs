@@ -35,7 +35,49 @@ fn paths_stay_in_the_folder() {
     let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
     for file in ["../secret.txt", "deep/../../secret.txt", &*absolute] {
         let said = said(&folder, file, &allowed);
-        assert!(said.ends_with("meshes are read from .obj and .ply files only"), "{said}");
+        assert!(said.ends_with("no mesh format .txt; there are .obj, .ply"), "{said}");
+    }
+}
+
+/// The materials of `a.obj`, which `scene.toml` in `folder` names by `file`.
+fn materials(folder: &Path, file: &str, options: &ReadOptions<'_>) -> Vec<String> {
+    let scene = folder.join("scene.toml");
+    let text = format!("{HEAD}[[shape]]\ntype = \"mesh\"\nmaterial = \"grey\"\nfile = '{file}'\n");
+    fs::write(&scene, text).expect("a scene");
+    let loaded = read_scene(&scene, options).unwrap_or_else(|error| panic!("{error}"));
+    // The first is the scene's own.
+    loaded.scene.materials.into_iter().skip(1).map(|material| material.name).collect()
+}
+
+/// The files that a mesh file names are held to the scene's folder as well, not to their own:
+/// beside it is inside, above the scene is outside.
+#[test]
+fn material_files_stay_in_the_scenes_folder() {
+    let outside = tempfile::tempdir().expect("a folder");
+    let folder = outside.path().join("inside");
+    fs::create_dir_all(folder.join("meshes")).expect("a folder");
+    fs::create_dir_all(folder.join("looks")).expect("a folder");
+    fs::write(outside.path().join("secret.mtl"), "newmtl secret\n").expect("a file");
+    fs::write(folder.join("looks/red.mtl"), "newmtl red\n").expect("a file");
+    let absolute = outside.path().join("secret.mtl").display().to_string();
+    let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
+    for (library, by_default, if_allowed) in [
+        ("../looks/red.mtl", &["red"][..], &["red"][..]),
+        ("../../secret.mtl", &[], &["secret"]),
+        ("../../none.mtl", &[], &[]),
+        (&*absolute, &[], &["secret"]),
+    ] {
+        let obj = format!("mtllib {library}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        fs::write(folder.join("meshes/a.obj"), obj).expect("a file");
+        for (options, expected) in [(ReadOptions::default(), by_default), (allowed, if_allowed)] {
+            assert_eq!(materials(&folder, "meshes/a.obj", &options), expected, "{library}");
+        }
+        // On its own, the mesh file's folder is the scene's.
+        let alone = |options| {
+            let loaded = read_scene(&folder.join("meshes/a.obj"), options).expect("a scene");
+            loaded.scene.materials.len() - 1
+        };
+        assert_eq!((alone(&ReadOptions::default()), alone(&allowed)), (0, if_allowed.len()));
     }
 }
 
@@ -84,8 +126,25 @@ mod unix {
         }
         for file in ["in.txt", "up/inside/mesh.txt"] {
             let said = said(&folder, file, &ReadOptions::default());
-            assert!(said.ends_with("meshes are read from .obj and .ply files only"), "{said}");
+            assert!(said.ends_with("no mesh format .txt; there are .obj, .ply"), "{said}");
         }
+    }
+
+    /// A mesh file inside, named through a folder outside that links back to it, does not bring
+    /// the material files of that folder.
+    #[test]
+    fn links_do_not_move_the_fence() {
+        let outside = tempfile::tempdir().expect("a folder");
+        let folder = outside.path().join("inside");
+        fs::create_dir(&folder).expect("a folder");
+        fs::write(outside.path().join("a.mtl"), "newmtl secret\n").expect("a file");
+        fs::write(folder.join("a.obj"), "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+            .expect("a file");
+        symlink("inside/a.obj", outside.path().join("a.obj")).expect("a link");
+        symlink("..", folder.join("up")).expect("a link");
+        assert!(materials(&folder, "up/a.obj", &ReadOptions::default()).is_empty());
+        let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
+        assert_eq!(materials(&folder, "up/a.obj", &allowed), ["secret"]);
     }
 
     /// A pipe would wait for a writer forever.
@@ -97,9 +156,9 @@ mod unix {
         assert!(made.is_ok_and(|status| status.success()), "mkfifo");
         let options = ReadOptions::default();
         let said = said(folder.path(), "pipe.obj", &options);
-        assert_eq!(said, "scene.toml:11:8: \"pipe.obj\" is not a regular file");
+        assert_eq!(said, "scene.toml:11:8: \"pipe.obj\" is a pipe or a device, not a file");
         let error = read_scene(&pipe, &options).expect_err("a pipe").to_string();
-        assert!(error.ends_with("pipe.obj: not a regular file"), "{error}");
+        assert!(error.ends_with("pipe.obj: this is a pipe or a device, not a file"), "{error}");
     }
 }
 
@@ -120,13 +179,10 @@ fn scene_files_are_checked() {
     assert!(matches!(said("none.toml").kind, SceneErrorKind::Io(_)));
     assert!(matches!(said("large.toml").kind, SceneErrorKind::Limit { allowed: 50, .. }));
     for (name, expected) in [
-        ("folder.toml", "folder.toml: a folder, not a file"),
+        ("folder.toml", "folder.toml: this is a folder, not a file"),
         ("binary.toml", "binary.toml:2:5: the text is not UTF-8 here; save the file as UTF-8"),
-        ("scene.xyz", "scene.xyz: no scenes are read from .xyz files; there are .toml, .obj, .ply"),
-        (
-            "scene",
-            "scene: a scene's kind is told by its extension, and here is none; there are .toml, .obj, .ply",
-        ),
+        ("scene.xyz", "scene.xyz: no scene format .xyz; there are .toml, .obj, .ply"),
+        ("scene", "scene: no extension, so no scene format; there are .toml, .obj, .ply"),
     ] {
         let error = said(name).to_string();
         assert!(error.ends_with(expected), "{error}");

@@ -201,6 +201,11 @@ fn fitting_gives_size_and_place() {
     assert!(near(tall[1], [1.0, 2.0, -0.25]) && near(tall[2], [-1.0, 3.0, 0.25]));
     let there = mesh("{ center = [0, 1, 0] }");
     assert!(near(there[0], [-2.0, 0.0, -0.5]));
+    // A mesh with z up: its y runs into the picture, which is -z, and nothing is mirrored.
+    let upright = mesh("{ up = \"z\" }");
+    assert!(near(upright[0], [-2.0, 0.0, 1.0]) && near(upright[2], [-2.0, 1.0, -1.0]));
+    let tall = mesh("{ up = \"z\", size = 2, axis = \"y\" }");
+    assert!(near(tall[1], [4.0, 0.0, 2.0]) && near(tall[2], [-4.0, 2.0, -2.0]));
 }
 
 /// A mesh in the scene itself, with everything that it can have.

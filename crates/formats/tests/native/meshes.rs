@@ -67,6 +67,9 @@ fn objects_bring_their_materials() {
     assert_eq!(notes.iter().filter(|n| n.contains("2 triangles have no material")).count(), 2);
     assert!(notes.iter().any(|n| n.ends_with("the shape's own material stands in")), "{notes:?}");
     assert!(notes.iter().any(|n| n.ends_with("matte grey stands in")), "{notes:?}");
+    // Each is led by its place: the two shapes, or what their file says.
+    let led = |place: &str| notes.iter().filter(|n| n.contains(place)).count();
+    assert_eq!((led("scene.toml:8: "), led("scene.toml:12: ")), (1, 1), "{notes:?}");
 
     // The file was read once: both shapes share its meshes.
     assert_eq!(scene.meshes.len(), 4);

@@ -1,7 +1,8 @@
 //! `[camera]`: who sees the scene.
 
-use super::{Table, Value, keys};
-use crate::SceneError;
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
 use rutilant::camera::Perspective;
 use rutilant_geom::{Transform, Vec3, real};
 

@@ -1,6 +1,6 @@
 //! The text of a scene, and what is wrong at which place in it.
 
-use crate::{SceneError, SceneErrorKind, Source};
+use crate::error::{SceneError, SceneErrorKind, Source};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::DeTable;
@@ -9,11 +9,15 @@ use toml::de::DeTable;
 pub(super) struct Document<'d> {
     file: &'d Path,
     text: &'d str,
+    /// The byte at which each line begins.
+    lines: Vec<usize>,
 }
 
 impl<'d> Document<'d> {
     pub(super) fn new(text: &'d str, file: &'d Path) -> Self {
-        Self { file, text }
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let lines = std::iter::once(0).chain(ends.map(|(end, _)| end + 1)).collect();
+        Self { file, text, lines }
     }
 
     /// The tree of tables and values, each with its place in the text.
@@ -27,9 +31,8 @@ impl<'d> Document<'d> {
 
     /// What often lies behind a mistake in the syntax at byte `at`.
     fn syntax_hint(&self, at: usize) -> &'static str {
-        let line_start =
-            self.text[..self.text.floor_char_boundary(at)].rfind('\n').map_or(0, |i| i + 1);
-        let line = self.text[line_start..].lines().next().unwrap_or("");
+        let (_, start) = self.line(at);
+        let line = self.text[start..].lines().next().unwrap_or("");
         if line.contains('\\') { "; in paths write / instead of \\" } else { "" }
     }
 
@@ -40,11 +43,24 @@ impl<'d> Document<'d> {
 
     /// Something is wrong at byte `at`.
     pub(super) fn error(&self, at: usize, kind: SceneErrorKind) -> SceneError {
-        let before = &self.text[..self.text.floor_char_boundary(at)];
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        let line = 1 + before.bytes().filter(|b| *b == b'\n').count();
-        let column = 1 + before[line_start..].trim_start_matches('\u{feff}').chars().count();
-        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        SceneError { at: Source::at(self.file, count(line), count(column)), kind }
+        let (line, start) = self.line(at);
+        let before = &self.text[start..self.text.floor_char_boundary(at).max(start)];
+        let column = 1 + before.trim_start_matches('\u{feff}').chars().count();
+        let column = u32::try_from(column).unwrap_or(u32::MAX);
+        SceneError { at: Source::at(self.file, line, column), kind }
+    }
+
+    /// Something that a person should know about the line of byte `at`.
+    ///
+    /// There can be as many notes as shapes, so none of them counts its way along the text.
+    pub(super) fn note(&self, at: usize, what: &str) -> String {
+        let (line, _) = self.line(at);
+        format!("{}: {what}", Source { line, ..Source::file(self.file) })
+    }
+
+    /// The number of the line that holds byte `at`, from 1, and the byte where it begins.
+    fn line(&self, at: usize) -> (u32, usize) {
+        let number = self.lines.partition_point(|start| *start <= at).max(1);
+        (u32::try_from(number).unwrap_or(u32::MAX), self.lines[number - 1])
     }
 }

@@ -1,10 +1,12 @@
 //! A scene while it is being read.
 
-use super::Table;
+use super::table::Table;
+use crate::error::{SceneError, SceneErrorKind};
+use crate::limits::Limits;
+use crate::options::ReadOptions;
 use crate::scene::bare;
 use crate::scene::files::Files;
-use crate::scene::nearest::shown;
-use crate::{Limits, ReadOptions, SceneError, SceneErrorKind};
+use crate::shown::shown;
 use rutilant::material::Material;
 use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem};
 use rutilant::shape::{Mesh, Object};

@@ -1,8 +1,10 @@
 //! `[environment]`: the sky.
 
 use super::draft::Draft;
-use super::{Table, Value, keys};
-use crate::{SceneError, image};
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
+use crate::image;
 use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::Place;
 use std::path::Path;

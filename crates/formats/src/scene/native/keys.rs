@@ -55,7 +55,7 @@ pub(super) const ROUND: &[&str] = &["radius"];
 pub(super) const SIZED: &[&str] = &["size"];
 pub(super) const MESH: &[&str] =
     &["file", "positions", "triangles", "normals", "uvs", "smooth_degrees", "fit"];
-pub(super) const FIT: &[&str] = &["size", "axis", "on_floor", "center"];
+pub(super) const FIT: &[&str] = &["up", "size", "axis", "on_floor", "center"];
 pub(super) const ROTATE: &[&str] = &["axis", "degrees"];
 
 pub(super) const ANY_LIGHT: &[&str] = &["type"];

@@ -1,8 +1,9 @@
 //! `[[light]]`: lights without a surface.
 
 use super::draft::Draft;
-use super::{Table, Value, keys};
-use crate::SceneError;
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
 use rutilant::light::Light;
 use rutilant::scene::Place;
 

@@ -1,16 +1,17 @@
 //! `[[material]]`: how surfaces look.
 
 use super::draft::Draft;
-use super::{Table, Value, keys};
-use crate::SceneError;
-use crate::scene::nearest::shown;
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
+use crate::shown::shown;
 use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte,
     Medium, Mirror, Mix,
 };
-use rutilant::scene::MaterialId;
+use rutilant::scene::{MaterialId, Place};
 use std::collections::HashMap;
 
 #[derive(Clone, Copy)]
@@ -161,14 +162,19 @@ fn absorption(table: &Table<'_>) -> Result<Absorption, SceneError> {
 /// A mix scatters as its parts do, but does not glow as they do.
 fn note_lost_emission(draft: &mut Draft<'_>) {
     let materials = &draft.scene.materials;
-    for material in materials {
+    for (i, material) in materials.iter().enumerate() {
         let MaterialKind::Mix(mix) = &material.kind else { continue };
         for part in [mix.first, mix.second].iter().filter_map(|id| materials.get(id.0 as usize)) {
             if part.emission.is_some() {
                 let (mix, part) = (shown(&material.name), shown(&part.name));
-                draft.notes.push(format!(
-                    "material \"{mix}\" does not glow as its part \"{part}\" does: give it an emission of its own"
-                ));
+                let what = format!(
+                    "material \"{mix}\" does not glow as its part \"{part}\" does: give it an \
+                     emission of its own"
+                );
+                draft.notes.push(match draft.places.get(&Place::Material(i)) {
+                    Some(table) => table.note(&what),
+                    None => what,
+                });
             }
         }
     }

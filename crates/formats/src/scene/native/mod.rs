@@ -9,35 +9,30 @@ mod camera;
 mod document;
 mod draft;
 mod environment;
+mod hex;
 mod keys;
 mod light;
 mod material;
 mod placing;
 mod render;
 mod shape;
-mod srgb;
 mod table;
 
-use super::LoadedScene;
 use super::framing::frame_all;
-use crate::{ReadOptions, SceneError, SceneErrorKind, Source};
+use super::loaded::LoadedScene;
+use crate::error::{SceneError, SceneErrorKind};
+use crate::file;
+use crate::options::ReadOptions;
 use document::Document;
 use draft::Draft;
 use rutilant::scene::Place;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use std::thread;
-use table::{Table, Value};
+use table::Table;
 
 /// Reads a scene from a `.toml` file.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
-    let refuse = |kind| SceneError { at: Source::file(path), kind };
-    // The limit was checked on the file's size, but a file can grow.
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(options.limits.file_bytes).read_to_end(&mut bytes))
-        .map_err(|error| refuse(SceneErrorKind::Io(error)))?;
+    let bytes = file::scene_bytes(path, &options.limits)?;
     match std::str::from_utf8(&bytes) {
         Ok(text) => parse(text, path, options),
         Err(error) => {
@@ -65,10 +60,7 @@ pub(crate) fn parse(
         thread::Builder::new()
             .stack_size(STACK)
             .spawn_scoped(scope, || parse_here(text, file, options))
-            .map_err(|error| SceneError {
-                at: Source::file(file),
-                kind: SceneErrorKind::Io(error),
-            })?
+            .map_err(|error| SceneError::in_file(file, SceneErrorKind::Io(error)))?
             .join()
             .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
@@ -116,7 +108,7 @@ fn parse_here(
             root.invalid("there is no [camera], and no shape that one could be turned to")
         })?;
         draft.scene.camera = chosen.into();
-        draft.notes.push("there is no [camera]: one was chosen that sees all shapes".to_owned());
+        draft.notes.push(root.note("there is no [camera]: one was chosen that sees all shapes"));
     }
 
     // Whether all of it makes sense.

@@ -1,8 +1,9 @@
 //! Where a shape stands: the keys that move, turn and scale it.
 
 use super::camera::direction;
-use super::{Table, Value, keys};
-use crate::SceneError;
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
 use rutilant_geom::{Aabb, Mat3, Transform, Vec3};
 
 /// Where a shape stands: scaled, then turned, then moved; or by a matrix.
@@ -83,6 +84,25 @@ enum Extent {
 const AXES: &[(&str, Extent)] =
     &[("longest", Extent::Longest), ("x", Extent::X), ("y", Extent::Y), ("z", Extent::Z)];
 
+#[derive(Clone, Copy)]
+enum Up {
+    Y,
+    Z,
+}
+
+const UPS: &[(&str, Up)] = &[("y", Up::Y), ("z", Up::Z)];
+
+/// Turns what points up in a mesh to where up is here, with the box around the mesh.
+fn upright(up: Up, Aabb { min, max }: Aabb) -> (Transform, Aabb) {
+    match up {
+        Up::Y => (Transform::IDENTITY, Aabb { min, max }),
+        Up::Z => (
+            Transform::rotate_degrees(Vec3::X, -90.0),
+            Aabb { min: Vec3::new(min.x, min.z, -max.y), max: Vec3::new(max.x, max.z, -min.y) },
+        ),
+    }
+}
+
 /// Brings a mesh of any size, anywhere, to a given size at a given place.
 pub(super) fn fit(value: &Value<'_>, bounds: Aabb) -> Result<Transform, SceneError> {
     let table = value.table("fit")?;
@@ -90,6 +110,8 @@ pub(super) fn fit(value: &Value<'_>, bounds: Aabb) -> Result<Transform, SceneErr
     if bounds.is_empty() {
         return Err(value.invalid("the mesh has no point that could be fitted"));
     }
+    let up = table.or("up", |v| v.one_of("direction", UPS), Up::Y)?;
+    let (upright, bounds) = upright(up, bounds);
     let extent = bounds.extent();
     let now = match table.or("axis", |v| v.one_of("axis", AXES), Extent::Longest)? {
         Extent::Longest => extent.max_element(),
@@ -112,5 +134,6 @@ pub(super) fn fit(value: &Value<'_>, bounds: Aabb) -> Result<Transform, SceneErr
     };
     Ok(Transform::translate(to)
         * Transform::scale(Vec3::splat(factor))
-        * Transform::translate(-from))
+        * Transform::translate(-from)
+        * upright)
 }

@@ -1,7 +1,8 @@
 //! `[render]`: how to make the picture.
 
-use super::{Table, Value, keys};
-use crate::SceneError;
+use super::keys;
+use super::table::{Table, Value};
+use crate::error::SceneError;
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::settings::{

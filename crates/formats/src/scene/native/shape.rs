@@ -1,8 +1,9 @@
 //! `[[shape]]`: what stands in the scene.
 
 use super::draft::{Draft, MeshFile};
-use super::{Table, Value, keys, material, placing};
-use crate::SceneError;
+use super::table::{Table, Value};
+use super::{keys, material, placing};
+use crate::error::SceneError;
 use crate::scene::framing::bounds_of;
 use crate::scene::mesh_file;
 use crate::scene::obj::ObjScene;
@@ -71,7 +72,7 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
         None => given,
         Some(without) => {
             let stand_in = if given.is_some() { "the shape's own material" } else { "matte grey" };
-            draft.notes.push(format!("{without}: {stand_in} stands in"));
+            draft.notes.push(table.note(&format!("{without}: {stand_in} stands in")));
             Some(given.unwrap_or_else(|| draft.grey()))
         }
     };
@@ -98,7 +99,7 @@ fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, Scen
         positions,
     };
     let bounds = bounds_of(&mesh.positions);
-    let mesh = smoothed(mesh, crease(table)?, &mut draft.notes);
+    let mesh = smoothed(mesh, crease(table)?, table, &mut draft.notes);
     let id = draft.add_mesh(table, mesh).map_err(|kind| table.error(kind))?;
     Ok(MeshFile { parts: vec![(id, None)], bounds, without_material: None })
 }
@@ -138,14 +139,16 @@ fn crease(table: &Table<'_>) -> Result<Option<f32>, SceneError> {
     })
 }
 
-/// The mesh with normals: its own, or smooth ones if they are asked for.
-fn smoothed(mesh: Mesh, crease: Option<f32>, notes: &mut Vec<String>) -> Mesh {
+/// The mesh with normals: its own, or smooth ones if `table` asks for them.
+fn smoothed(mesh: Mesh, crease: Option<f32>, table: &Table<'_>, notes: &mut Vec<String>) -> Mesh {
     match crease {
         Some(crease) if mesh.normals.is_empty() => mesh.smoothed(crease),
         Some(_) => {
-            let note = "smooth_degrees changes nothing where a mesh has normals of its own";
-            if notes.last().is_none_or(|last| last != note) {
-                notes.push(note.to_owned());
+            let note =
+                table.note("smooth_degrees changes nothing where a mesh has normals of its own");
+            // A file may have many such meshes.
+            if notes.last() != Some(&note) {
+                notes.push(note);
             }
             mesh
         }
@@ -168,7 +171,7 @@ fn from_file<'d>(
     if let Some(known) = draft.mesh_files.get(&key) {
         return Ok(Rc::clone(known));
     }
-    let file = mesh_file::read(&found.path, &draft.left)?;
+    let file = mesh_file::read(&found.path, &draft.left, &draft.files.fence)?;
     let read = Rc::new(take_in(file, crease, value, table, draft)?);
     draft.mesh_files.insert(key, Rc::clone(&read));
     Ok(read)
@@ -194,7 +197,7 @@ fn take_in<'d>(
     let mut parts = Vec::with_capacity(file.meshes.len());
     for (mesh, name) in file.meshes {
         bounds = bounds.union(bounds_of(&mesh.positions));
-        let mesh = smoothed(mesh, crease, &mut draft.notes);
+        let mesh = smoothed(mesh, crease, table, &mut draft.notes);
         let id = draft.add_mesh(table, mesh).map_err(|kind| value.error(kind))?;
         parts.push((id, name.and_then(|name| materials.get(&name).copied())));
     }

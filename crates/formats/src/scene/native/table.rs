@@ -6,9 +6,10 @@
 //! methods of [`Value`]: `table.or("radius", Value::number, 1.0)`.
 
 use super::document::Document;
-use super::keys;
-use crate::scene::nearest::{nearest, shown};
-use crate::{SceneError, SceneErrorKind};
+use super::{hex, keys};
+use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::nearest::nearest;
+use crate::shown::shown;
 use rutilant::color::Rgb;
 use rutilant_geom::{Vec2, Vec3};
 use toml::de::{DeTable, DeValue};
@@ -43,6 +44,11 @@ impl<'d> Table<'d> {
     /// Something is wrong with the table as a whole.
     pub(super) fn error(&self, kind: SceneErrorKind) -> SceneError {
         self.document.error(self.at, kind)
+    }
+
+    /// Something that a person should know about the table.
+    pub(super) fn note(&self, what: &str) -> String {
+        self.document.note(self.at, what)
     }
 
     /// Something is wrong at some byte of the text.
@@ -253,9 +259,7 @@ impl<'d> Value<'d> {
         const EXPECTED: &str = "a color ([r, g, b], a number for grey, or \"#rrggbb\" in sRGB)";
         match self.value {
             DeValue::Integer(_) | DeValue::Float(_) => self.number().map(Rgb::grey),
-            DeValue::String(text) => {
-                super::srgb::from_hex(text).ok_or_else(|| self.must_be(EXPECTED))
-            }
+            DeValue::String(text) => hex::color(text).ok_or_else(|| self.must_be(EXPECTED)),
             DeValue::Array(_) => self.numbers(EXPECTED).map(Rgb),
             DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Table(_) => {
                 Err(self.must_be(EXPECTED))

@@ -1,0 +1,64 @@
+//! The formats of images, and how a file shows which one it has.
+
+use crate::error::ImageError;
+use crate::file;
+use std::path::Path;
+
+/// One extension of each format, for people.
+const KNOWN: [&str; 5] = ["exr", "hdr", "pfm", "png", "jpg"];
+
+/// An image format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// OpenEXR.
+    Exr,
+    /// Radiance RGBE.
+    Hdr,
+    /// Portable float map.
+    Pfm,
+    /// Portable network graphics.
+    Png,
+    /// JPEG.
+    Jpeg,
+}
+
+impl Format {
+    /// The format that the extension of `path` names.
+    ///
+    /// # Errors
+    /// An extension that is not known.
+    pub fn from_path(path: &Path) -> Result<Self, ImageError> {
+        Ok(match &*file::extension(path) {
+            "exr" => Self::Exr,
+            "hdr" | "rgbe" | "pic" => Self::Hdr,
+            "pfm" => Self::Pfm,
+            "png" => Self::Png,
+            "jpg" | "jpeg" => Self::Jpeg,
+            _ => {
+                let what = file::unknown_format("image", path, KNOWN);
+                return Err(ImageError::new(path, what));
+            }
+        })
+    }
+
+    /// Whether files of this format hold colours encoded for a display, 8 bits each, rather than
+    /// light: what [`write()`](super::write()) wants as [`Pixels::Display`](super::Pixels::Display).
+    pub fn is_for_display(self) -> bool {
+        match self {
+            Self::Exr | Self::Hdr | Self::Pfm => false,
+            Self::Png | Self::Jpeg => true,
+        }
+    }
+
+    /// The format that the first bytes of a file show.
+    pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        Some(match bytes {
+            [0x76, 0x2f, 0x31, 0x01, ..] => Self::Exr,
+            [b'#', b'?', ..] => Self::Hdr,
+            [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => Self::Pfm,
+            [0x89, b'P', b'N', b'G', ..] => Self::Png,
+            [0xff, 0xd8, 0xff, ..] => Self::Jpeg,
+            _ => return None,
+        })
+    }
+}
