@@ -37,7 +37,7 @@ fn scale(value: &Value<'_>) -> Result<Vec3, SceneError> {
 
 /// About the world's x axis first, then its y axis, then its z axis.
 fn about_axes(degrees: Vec3) -> Transform {
-    let turn = |axis, degrees: f32| Transform::rotate(axis, degrees.to_radians());
+    let turn = Transform::rotate_degrees;
     turn(Vec3::Z, degrees.z) * turn(Vec3::Y, degrees.y) * turn(Vec3::X, degrees.x)
 }
 
@@ -46,7 +46,7 @@ fn around_axis(value: &Value<'_>) -> Result<Transform, SceneError> {
     table.only(&[keys::ROTATE])?;
     let axis = table.must("axis", direction)?;
     let degrees = table.must("degrees", Value::number)?;
-    Ok(Transform::rotate(axis, degrees.to_radians()))
+    Ok(Transform::rotate_degrees(axis, degrees))
 }
 
 fn matrix(value: &Value<'_>) -> Result<Transform, SceneError> {
