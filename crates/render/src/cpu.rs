@@ -86,7 +86,7 @@ impl Pass<'_> {
             }
         };
         std::thread::scope(|scope| {
-            for _ in 1..self.threads {
+            for _ in 1..self.threads.min(self.film.tile_count()) {
                 scope.spawn(work);
             }
             work();

@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::image::Image;
 use crate::light::{Environment, Light};
 use crate::material::Material;
-use crate::shape::{Mesh, Object};
+use crate::shape::{Mesh, Object, Shape};
 
 /// Everything that can be seen or gives light, and the eye that sees it.
 #[derive(Clone, Debug)]
@@ -86,9 +86,37 @@ impl Scene {
         for (i, light) in self.lights.iter().enumerate() {
             light.validate(i)?;
         }
+        self.check_size()
+    }
+
+    /// All vertices, triangles and shapes that will stand in the world are numbered by 32 bits.
+    fn check_size(&self) -> Result<(), SceneProblem> {
+        let (mut vertices, mut primitives) = (0_u64, 0_u64);
+        for (i, object) in self.objects.iter().enumerate() {
+            let (v, p) = match object.shape {
+                Shape::Mesh(id) => {
+                    let mesh = &self.meshes[id.0 as usize];
+                    (mesh.positions.len() as u64, mesh.triangles.len() as u64)
+                }
+                Shape::Box { .. } => (8, 12),
+                Shape::Rectangle { .. } => (4, 2),
+                Shape::Sphere { .. } | Shape::Disk { .. } => (0, 1),
+            };
+            vertices += v;
+            primitives += p;
+            if vertices.max(primitives) > MAX_PRIMITIVES {
+                return Err(Place::Object(i).problem(
+                    "type",
+                    format!("this and what comes before it have more than {MAX_PRIMITIVES} vertices or triangles"),
+                ));
+            }
+        }
         Ok(())
     }
 }
+
+/// The most vertices, and the most triangles and other shapes, that may stand in the world.
+const MAX_PRIMITIVES: u64 = 1 << 31;
 
 /// Scenes hold at most 2³² − 1 of each kind; the reader's limits stop far earlier.
 fn last_index<T>(items: &[T]) -> u32 {

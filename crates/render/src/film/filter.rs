@@ -77,7 +77,13 @@ impl Filter {
             Self::Tent { .. } => 1.0 - x.abs() / radius,
             Self::Gaussian { sigma, .. } => {
                 let bell = |x: f32| real::exp(-0.5 * (x / sigma) * (x / sigma));
-                bell(x) - bell(radius)
+                // Where it is nearly flat the difference would cancel: e^d - 1 by its series.
+                let d = 0.5 * (radius - x) * (radius + x) / (sigma * sigma);
+                if d < 1e-2 {
+                    bell(radius) * d * (1.0 + d * (0.5 + d / 6.0))
+                } else {
+                    bell(x) - bell(radius)
+                }
             }
             Self::Mitchell { b, c, .. } => mitchell(2.0 * x.abs() / radius, b, c),
             Self::BlackmanHarris { .. } => {
@@ -174,10 +180,12 @@ impl FilterSampler {
 mod tests {
     use super::*;
 
-    const ALL: [Filter; 5] = [
+    const ALL: [Filter; 7] = [
         Filter::Box { radius: 0.5 },
         Filter::Tent { radius: 1.0 },
         Filter::Gaussian { radius: 1.5, sigma: 0.5 },
+        Filter::Gaussian { radius: 0.01, sigma: 16.0 },
+        Filter::Gaussian { radius: 16.0, sigma: 0.01 },
         Filter::Mitchell { radius: 2.0, b: 1.0 / 3.0, c: 1.0 / 3.0 },
         Filter::BlackmanHarris { radius: 1.5 },
     ];

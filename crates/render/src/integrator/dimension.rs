@@ -11,7 +11,7 @@ pub(crate) struct Bounce(u32);
 
 impl Bounce {
     pub(crate) fn at(depth: u32) -> Self {
-        Self(2 + 5 * depth.wrapping_sub(1))
+        Self(5_u32.wrapping_mul(depth.wrapping_sub(1)).wrapping_add(2))
     }
 
     /// Which of the BSDF's ways to scatter.

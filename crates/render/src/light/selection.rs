@@ -42,7 +42,7 @@ impl EmitterSelection {
                     false => power(e),
                 });
                 let weights: Vec<f64> = weights.collect();
-                Distribution1d::new(weights.into_iter()).map_or(Self::None, Self::Weighted)
+                Distribution1d::new(weights.into_iter()).map_or(uniform, Self::Weighted)
             }
         }
     }
