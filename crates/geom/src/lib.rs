@@ -27,7 +27,7 @@ pub use bvh::{BuildOptions, BuildReport, Bvh};
 pub use disk::Disk;
 pub use frame::Frame;
 pub use glam::{DVec3, Mat3, Vec2, Vec3};
-pub use ray::{Ray, offset_origin};
+pub use ray::{Ray, offset_end, offset_origin};
 pub use sphere::Sphere;
 pub use surfaces::{Hit, Surfaces};
 pub use transform::Transform;

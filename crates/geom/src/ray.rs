@@ -56,10 +56,26 @@ impl Ray {
 /// Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 /// section 6.8.6, with the error bound of a position that is rounded once.
 pub fn offset_origin(position: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    offset(position, normal, direction, position.abs())
+}
+
+/// The end of a ray from `from` that stops just short of the surface point `position`, whose
+/// geometric normal is `normal`: [`Ray::between`] the two does not meet the surface there.
+///
+/// Beside the rounding of `position` this makes up for that of the ray's direction, which is the
+/// rounded difference of two points and grows with their distance.
+pub fn offset_end(position: Vec3, normal: Vec3, from: Vec3) -> Vec3 {
+    let way = position - from;
+    offset(position, normal, -way, position.abs() + way.abs())
+}
+
+/// Moves `position` off along `normal`, to the side of `direction`, by what numbers of the
+/// magnitudes `rounded` may have lost.
+fn offset(position: Vec3, normal: Vec3, direction: Vec3, rounded: Vec3) -> Vec3 {
     /// Half an ulp for the rounded position, as much again for the rounded
     /// normal and as much for the addition below; doubled for good measure.
     const ROUNDINGS: f32 = 6.0 * f32::EPSILON * 0.5;
-    let distance = ROUNDINGS * position.abs().dot(normal.abs());
+    let distance = ROUNDINGS * rounded.dot(normal.abs());
     let offset = normal * if normal.dot(direction) < 0.0 { -distance } else { distance };
     let step = |p: f32, o: f32| {
         let moved = p + o;

@@ -136,11 +136,12 @@ impl Session {
 
     /// Goes on to `spp` samples per pixel, or to what was asked for before if that is more.
     pub fn extend(&mut self, spp: u64) {
-        let mut state = self.shared.state();
-        state.target = state.target.max(spp);
-        state.ending = false;
-        let running = state.running && !self.shared.stop.load(Ordering::Relaxed);
-        drop(state);
+        let running = {
+            let mut state = self.shared.state();
+            state.target = state.target.max(spp);
+            // A thread that was told to end will end, and a new one begins after it.
+            state.running && !state.ending
+        };
         if !running {
             self.resume();
         }
@@ -150,7 +151,10 @@ impl Session {
     fn resume(&mut self) {
         self.join();
         self.shared.stop.store(false, Ordering::Relaxed);
-        self.shared.state().running = true;
+        {
+            let mut state = self.shared.state();
+            (state.ending, state.running) = (false, true);
+        }
         let shared = Arc::clone(&self.shared);
         self.worker = Some(std::thread::spawn(move || {
             let _running = Running(&shared);

@@ -154,6 +154,43 @@ fn rays_find_what_sampling_promised() {
     }
 }
 
+/// Seen from afar no lamp stands in its own light, wherever it and the lit point are: the way to
+/// it is rounded at the scale of the distance, which may be much more than that of the lamp's own
+/// coordinates. A lamp at the scene's origin once lost up to half of its light.
+#[test]
+fn no_lamp_shades_itself_at_any_distance() {
+    let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));
+    let tilted = Transform::rotate(Vec3::new(1.0, 0.5, 0.2), 1.0);
+    let ball = |radius| Shape::Sphere { radius };
+    let screen = || Shape::Rectangle { size: Vec2::new(6.0, 4.0) };
+    let lamps = [
+        (ball(0.1), Transform::IDENTITY),
+        (ball(1.0), Transform::IDENTITY),
+        (ball(0.15), at(0.0, 3.0, 0.0)),
+        (ball(0.15), at(1.0, 3.0, 1.0)),
+        (ball(1e-3), at(0.0, 0.01, 0.0)),
+        (screen(), tilted),
+        (Shape::Disk { radius: 2.0 }, tilted),
+        (Shape::Mesh(rutilant::scene::MeshId(0)), tilted),
+        (screen(), at(500.0, 0.1, -300.0) * tilted),
+    ];
+    let points = [[3.0, 2.0, 1.0], [7.0, -5.0, 5.0], [70.0, -50.0, 50.0], [10.0, 0.0, 7.0]];
+    let far_points = [[40.0, 0.0, 27.0], [100.0, 0.0, 97.0], [-3e3, 1e3, 2e3], [1e6, 3e5, -1e6]];
+    for (shape, place) in lamps {
+        let scene = Prepared::new(&glowing(shape.clone(), place, true)).unwrap();
+        for from in points.into_iter().chain(far_points).map(Vec3::from) {
+            for i in 0..2000 {
+                let (choice, u) = random(41, i);
+                let emitters = scene.emitters();
+                let emitter = &emitters[(choice * emitters.len() as f32) as usize];
+                let Some(s) = emitter.sample(from, u) else { continue };
+                let ray = s.shadow_ray(from);
+                assert!(!scene.occluded(&ray), "{shape:?} from {from}: {s:?}");
+            }
+        }
+    }
+}
+
 /// The irradiance of every light whose closed form is known, within 0.1 %.
 #[test]
 fn irradiance_has_its_closed_form() {

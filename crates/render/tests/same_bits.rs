@@ -137,5 +137,19 @@ fn sessions_end_cleanly() {
     session.extend(1);
     session.finish_pass();
     finish(&session);
+
+    // Without waiting in between: an edit in a window is just this.
+    let target = session.progress().samples + 3;
+    for _ in 0..20 {
+        session.extend(1_000_000);
+        session.cancel();
+        session.extend(target);
+        session.finish_pass();
+        session.extend(target);
+    }
+    session.cancel();
+    session.extend(target);
+    session.cancel();
+    finish(&session);
     drop(Session::start(scene, settings(1_000_000), 2).unwrap());
 }

@@ -11,6 +11,9 @@ use crate::math::warp;
 use crate::problem::{FINITE, NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
 use rutilant_geom::{Ray, Transform, Vec2, Vec3, real};
 
+/// The widest lens, in focus distances.
+const MAX_APERTURE: f32 = 1e6;
+
 /// A camera that sees a pyramid in front of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perspective {
@@ -53,7 +56,18 @@ impl Perspective {
             ));
         }
         place.check("aperture_radius", [self.aperture_radius], NOT_NEGATIVE)?;
-        place.check("focus_distance", [self.focus_distance], POSITIVE)
+        place.check("focus_distance", [self.focus_distance], POSITIVE)?;
+        // Otherwise the lens would be infinitely far away in terms of the focus.
+        if self.aperture_radius / self.focus_distance > MAX_APERTURE {
+            return Err(place.problem(
+                "aperture_radius",
+                format!(
+                    "aperture_radius is {}, but must be at most {MAX_APERTURE} times the focus distance of {}",
+                    self.aperture_radius, self.focus_distance
+                ),
+            ));
+        }
+        Ok(())
     }
 
     pub(super) fn prepare(&self, [width, height]: [u32; 2]) -> PreparedPerspective {
@@ -91,7 +105,7 @@ impl PreparedPerspective {
         let (origin, direction) = if self.aperture_radius > 0.0 {
             let lens = warp::concentric_disk(u) * self.aperture_radius;
             let lens = Vec3::new(lens.x, lens.y, 0.0);
-            (lens, through * self.focus_distance - lens)
+            (lens, through - lens / self.focus_distance)
         } else {
             (Vec3::ZERO, through)
         };
@@ -120,6 +134,20 @@ mod tests {
                 let projected =
                     Vec2::new(400.0 + scale * back.x / -back.z, 300.0 - scale * back.y / -back.z);
                 assert!((projected - film).length() < 1e-3, "{pitch_degrees}: {film} {projected}");
+            }
+        }
+    }
+
+    /// A focus as good as infinitely far away, or as near, is a view like any other.
+    #[test]
+    fn any_focus_gives_unit_directions() {
+        for (focus, aperture) in [(1e20, 0.1), (f32::MAX, 10.0), (1e-6, 1e-3), (1e-30, 1e-30)] {
+            let mut camera = Perspective::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0).unwrap();
+            (camera.aperture_radius, camera.focus_distance) = (aperture, focus);
+            camera.validate().unwrap();
+            for u in [[0.0, 0.3], [0.9, 0.1]] {
+                let ray = camera.prepare([100, 100]).ray(Vec2::new(20.0, 70.0), u.into());
+                assert!((ray.direction.length() - 1.0).abs() < 1e-5, "{focus}: {ray:?}");
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What emitters have in common: a way to a light, and the light of a glowing surface.
 
 use crate::color::Spectrum;
-use rutilant_geom::{Ray, Vec3, offset_origin};
+use rutilant_geom::{Ray, Vec3, offset_end};
 
 /// A way to a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl Glow {
             radiance,
             pdf,
             delta: false,
-            end: Some(offset_origin(point, normal, -wi)),
+            end: Some(offset_end(point, normal, from)),
         })
     }
 }

@@ -10,7 +10,7 @@
 use super::sample::{EmitterSample, Glow, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
-use rutilant_geom::{Frame, Sphere, Vec2, Vec3, offset_origin, real};
+use rutilant_geom::{Frame, Sphere, Vec2, Vec3, offset_end, real};
 use std::f32::consts::PI;
 
 /// A glowing sphere; its front is outside.
@@ -51,7 +51,7 @@ impl SphereEmitter {
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let normal = -frame.to_world(Vec3::new(-sin_alpha * c, -sin_alpha * s, cos_alpha));
         let normal = normal.normalize();
-        let end = offset_origin(self.surface_point(normal), normal, -wi);
+        let end = offset_end(self.surface_point(normal), normal, from);
         Some(EmitterSample {
             wi,
             radiance: self.glow.radiance,
