@@ -58,3 +58,24 @@ fn all_strategies_agree_in_every_pixel() {
     }
     assert!(failures.is_empty(), "beyond z = {critical:.2}:\n{}", failures.join("\n"));
 }
+
+/// Emission and direct light are what paths of two segments bring, by an integrator of its own.
+#[test]
+fn direct_light_is_paths_of_two_segments() {
+    let base = Settings {
+        size: [SIZE; 2],
+        spp: 2048,
+        sampler: SamplerKind::Independent,
+        ..Settings::default()
+    };
+    let scenes = scenes::all();
+    let critical = critical_z(scenes.len() * (SIZE * SIZE * 3) as usize, 0.01);
+    for scenes::Named { name, scene } in &scenes {
+        let scene = Arc::new(Prepared::new(scene).expect("a sound scene"));
+        let direct = Settings { integrator: IntegratorKind::Direct, ..base.clone() };
+        let paths = Settings { max_depth: Some(2), seed: 1, ..base.clone() };
+        let (direct, paths) = (render(&scene, direct), render(&scene, paths));
+        let worst = largest_disagreement(&direct, &paths).expect("colour and variance");
+        assert!(worst.z <= critical, "{name}: {worst:?}, beyond z = {critical:.2}");
+    }
+}

@@ -1,4 +1,4 @@
-//! One pass over the film: tiles shared out among threads, the same bits for any number of them.
+//! Passes over the film: tiles shared out among threads, the same bits for any number of them.
 
 use crate::camera::PreparedCamera;
 use crate::film::{Film, FilterSampler, Tile};
@@ -21,22 +21,21 @@ pub(crate) struct Counters {
     pub(crate) rays: AtomicU64,
 }
 
-/// Everything that one pass reads.
-pub(crate) struct Pass<'a> {
+/// Everything that a rendering reads and writes.
+pub(crate) struct Rendering<'a> {
     pub(crate) scene: &'a Prepared,
     pub(crate) settings: &'a Settings,
     pub(crate) film: &'a Film,
-    /// Every pixel is brought to this many samples.
-    pub(crate) until_sample: u64,
     pub(crate) threads: usize,
-    /// Set from outside to leave the rest of the pass undone.
+    /// Set from outside to leave the rest of a pass undone.
     pub(crate) stop: &'a AtomicBool,
     pub(crate) counters: &'a Counters,
 }
 
-impl Pass<'_> {
-    /// Renders the pass: chooses integrator and sampler once, then compiles them into one loop.
-    pub(crate) fn run(&self) {
+impl Rendering<'_> {
+    /// Renders pass after pass. `next_pass` tells to how many samples the next one brings every
+    /// pixel; `None` ends. Integrator and sampler are chosen once and compiled into one loop.
+    pub(crate) fn run(&self, next_pass: impl FnMut() -> Option<u64>) {
         let settings = self.settings;
         let max_depth = settings.max_depth.unwrap_or(u32::MAX);
         let selection = || {
@@ -47,62 +46,72 @@ impl Pass<'_> {
             )
         };
         match settings.integrator {
-            IntegratorKind::Path => self.run_with(&Path {
-                selection: selection(),
-                strategy: settings.strategy,
-                heuristic: settings.heuristic,
-                roulette: settings.roulette,
-                max_depth,
-            }),
-            IntegratorKind::Naive => self.run_with(&Naive { max_depth }),
-            IntegratorKind::Direct => self.run_with(&Direct { selection: selection() }),
-            IntegratorKind::AmbientOcclusion => self.run_with(&AmbientOcclusion),
-            IntegratorKind::Normals => self.run_with(&Normals),
-            IntegratorKind::Albedo => self.run_with(&Albedo),
-            IntegratorKind::Depth => self.run_with(&Depth),
+            IntegratorKind::Path => self.run_with(
+                next_pass,
+                &Path {
+                    selection: selection(),
+                    strategy: settings.strategy,
+                    heuristic: settings.heuristic,
+                    roulette: settings.roulette,
+                    max_depth,
+                },
+            ),
+            IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }),
+            IntegratorKind::Direct => self.run_with(next_pass, &Direct { selection: selection() }),
+            IntegratorKind::AmbientOcclusion => self.run_with(next_pass, &AmbientOcclusion),
+            IntegratorKind::Normals => self.run_with(next_pass, &Normals),
+            IntegratorKind::Albedo => self.run_with(next_pass, &Albedo),
+            IntegratorKind::Depth => self.run_with(next_pass, &Depth),
         }
     }
 
-    fn run_with<I: Integrator>(&self, integrator: &I) {
+    fn run_with<I: Integrator>(&self, next_pass: impl FnMut() -> Option<u64>, integrator: &I) {
         match self.settings.sampler {
-            SamplerKind::Independent => self.run_threads::<Independent, I>(integrator),
-            SamplerKind::Sobol => self.run_threads::<Sobol, I>(integrator),
+            SamplerKind::Independent => self.run_passes::<Independent, I>(next_pass, integrator),
+            SamplerKind::Sobol => self.run_passes::<Sobol, I>(next_pass, integrator),
         }
     }
 
-    fn run_threads<S: Sampler, I: Integrator>(&self, integrator: &I) {
+    fn run_passes<S: Sampler, I: Integrator>(
+        &self,
+        mut next_pass: impl FnMut() -> Option<u64>,
+        integrator: &I,
+    ) {
         let camera = self.scene.camera.prepare(self.settings.size);
         let filter = FilterSampler::new(&self.settings.filter);
-        let next = AtomicUsize::new(0);
-        let work = || {
-            while !self.stop.load(Ordering::Relaxed) {
-                let ticket = next.fetch_add(1, Ordering::Relaxed);
-                if ticket >= self.film.tile_count() {
-                    break;
+        while let Some(until_sample) = next_pass() {
+            let next = AtomicUsize::new(0);
+            let work = || {
+                while !self.stop.load(Ordering::Relaxed) {
+                    let ticket = next.fetch_add(1, Ordering::Relaxed);
+                    if ticket >= self.film.tile_count() {
+                        break;
+                    }
+                    let mut tile = self.film.tile(ticket);
+                    self.render_tile::<S, I>(&mut tile, until_sample, integrator, &camera, &filter);
+                    self.film.publish(ticket, &tile);
                 }
-                let mut tile = self.film.tile(ticket);
-                self.render_tile::<S, I>(&mut tile, integrator, &camera, &filter);
-                self.film.publish(ticket, &tile);
-            }
-        };
-        std::thread::scope(|scope| {
-            for _ in 1..self.threads.min(self.film.tile_count()) {
-                scope.spawn(work);
-            }
-            work();
-        });
+            };
+            std::thread::scope(|scope| {
+                for _ in 1..self.threads.min(self.film.tile_count()) {
+                    scope.spawn(work);
+                }
+                work();
+            });
+        }
     }
 
     fn render_tile<S: Sampler, I: Integrator>(
         &self,
         tile: &mut Tile,
+        until_sample: u64,
         integrator: &I,
         camera: &PreparedCamera,
         filter: &FilterSampler,
     ) {
         let (area, seed) = (tile.area, self.settings.seed);
         let (mut rays, mut paths) = (0, 0);
-        for sample in tile.next_sample..self.until_sample {
+        for sample in tile.next_sample..until_sample {
             for y in area.y..area.y + area.height {
                 for x in area.x..area.x + area.width {
                     let sampler = S::new(seed, [x, y], sample);

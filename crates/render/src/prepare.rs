@@ -6,17 +6,18 @@
 
 use crate::bsdf::{Bsdf, Lambert, Lobe, PerfectMirror, SmoothConductor, SmoothDielectric};
 use crate::camera::Camera;
-use crate::color::Spectrum;
+use crate::color::{Rgb, Spectrum};
 use crate::interaction::SurfaceInteraction;
 use crate::light::{
     DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, ParallelogramEmitter, SphereEmitter,
     TriangleEmitter,
 };
-use crate::material::{EmittedLight, Material, MaterialKind};
+use crate::material::{Emission, EmittedLight, Material, MaterialKind};
 use crate::scene::{MaterialId, Scene, SceneProblem};
 use crate::shape::{Mesh, Object, Shape};
 use rutilant_geom::{
-    Aabb, BuildOptions, BuildReport, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform, Vec2, Vec3,
+    Aabb, BuildOptions, BuildReport, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform, Vec2,
+    Vec3, offset_origin,
 };
 use std::f32::consts::PI;
 
@@ -34,6 +35,8 @@ pub struct Prepared {
     emitters: Vec<Emitter>,
     /// The emitter that is the sky.
     environment: Option<u32>,
+    /// What the medium around the camera absorbs, in 1/m.
+    camera_absorption: Spectrum,
     report: PrepareReport,
 }
 
@@ -168,6 +171,27 @@ impl Prepared {
         a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
     }
 
+    /// What the medium around the camera absorbs, in 1/m.
+    pub(crate) fn camera_absorption(&self) -> Spectrum {
+        self.camera_absorption
+    }
+
+    /// What the medium at the ray's origin absorbs: that on this side of the first border on its
+    /// way, seen through everything that is none. Nothing where there is no border.
+    fn absorption_at(&self, mut ray: Ray) -> Spectrum {
+        /// Behind so many surfaces nothing is looked for any more.
+        const SURFACES: usize = 1000;
+        for _ in 0..SURFACES {
+            let Some(hit) = self.closest(&ray) else { break };
+            let material = &self.materials[self.object(&hit).material as usize];
+            if let Some(border) = &material.border {
+                return border.absorption(hit.normal.dot(ray.direction) < 0.0);
+            }
+            ray.origin = offset_origin(hit.position, hit.normal, ray.direction);
+        }
+        Spectrum::BLACK
+    }
+
     pub(crate) fn material(&self, interaction: &SurfaceInteraction) -> &PreparedMaterial {
         &self.materials[interaction.material as usize]
     }
@@ -193,8 +217,7 @@ impl Prepared {
 
     /// Half the diagonal of the scene's bounds, in metres; 1 for a scene without surfaces.
     pub(crate) fn radius(&self) -> f32 {
-        let bounds = self.report.bounds;
-        if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
+        radius_of(&self.report.bounds)
     }
 
     fn object(&self, hit: &Hit) -> &PreparedObject {
@@ -238,6 +261,17 @@ impl Assembly {
             (self.triangles.len(), self.spheres.len(), self.disks.len());
         let surfaces =
             Surfaces::new(self.positions, self.triangles, self.spheres, self.disks, options);
+        let left_out = surfaces.report().left_out;
+        if left_out.count > 0 {
+            let (count, first) = (left_out.count, left_out.first.unwrap_or(0));
+            self.notes.push(format!(
+                "{count} of the surfaces are left out: without area, infinite or no numbers (the first is number {first})"
+            ));
+        }
+        let radius = radius_of(&surfaces.bounds());
+        if self.emitters.iter().all(|e| e.power(radius).is_black()) {
+            self.notes.push("nothing gives light: the picture will be black".to_owned());
+        }
         let report = PrepareReport {
             triangles: triangles as u64,
             spheres: spheres as u64,
@@ -248,7 +282,7 @@ impl Assembly {
             bvh: *surfaces.report(),
             notes: self.notes,
         };
-        Prepared {
+        let mut prepared = Prepared {
             camera: scene.camera,
             surfaces,
             object_of_primitive: self.objects_of.concat(),
@@ -262,8 +296,11 @@ impl Assembly {
                 .collect(),
             emitters: self.emitters,
             environment,
+            camera_absorption: Spectrum::BLACK,
             report,
-        }
+        };
+        prepared.camera_absorption = prepared.absorption_at(scene.camera.axis());
+        prepared
     }
 
     fn add(&mut self, number: usize, object: &Object, scene: &Scene) {
@@ -288,7 +325,7 @@ impl Assembly {
             Shape::Rectangle { size } => {
                 let corners = self.add_rectangle(size, world_from_object, number);
                 let area = 2.0 * triangle_area(corners);
-                if let Some(glow) = glow(material, area) {
+                if let Some(glow) = self.glow(number, material, area) {
                     let emitter = ParallelogramEmitter::new(corners, glow);
                     prepared.emitters =
                         ObjectEmitters::One(self.add_emitter(Emitter::Parallelogram(emitter)));
@@ -301,7 +338,7 @@ impl Assembly {
                 self.spheres.push(sphere);
                 self.objects_of[1].push(number as u32);
                 let area = 4.0 * PI * sphere.radius * sphere.radius;
-                if let Some(glow) = glow(material, area) {
+                if let Some(glow) = self.glow(number, material, area) {
                     prepared.emitters = ObjectEmitters::One(
                         self.add_emitter(Emitter::Sphere(SphereEmitter { sphere, glow })),
                     );
@@ -318,7 +355,8 @@ impl Assembly {
                 let disk = Disk { center: world_from_object.translation(), u, v };
                 self.disks.push(disk);
                 self.objects_of[2].push(number as u32);
-                if let Some(glow) = glow(material, PI * u.cross(v).length()) {
+                let area = PI * u.cross(v).length();
+                if let Some(glow) = self.glow(number, material, area) {
                     let emitter = Emitter::Disk(DiskEmitter::new(disk, glow));
                     prepared.emitters = ObjectEmitters::One(self.add_emitter(emitter));
                 }
@@ -364,13 +402,14 @@ impl Assembly {
             prepared.first_uv = Some(self.uvs.len() as u32);
             self.uvs.extend_from_slice(&mesh.uvs);
         }
-        self.add_triangle_emitters(first_triangle, material, prepared);
+        self.add_triangle_emitters(first_triangle, number, material, prepared);
     }
 
     /// Makes the triangles from `first` on shine, if the material does.
     fn add_triangle_emitters(
         &mut self,
         first: usize,
+        number: usize,
         material: &Material,
         prepared: &mut PreparedObject,
     ) {
@@ -378,7 +417,8 @@ impl Assembly {
         let area = self.triangles[first..].iter().map(|t| triangle_area(corners(t)));
         // Triangles that are no numbers give no light.
         let area = area.filter(|a| a.is_finite()).map(f64::from).sum::<f64>() as f32;
-        let Some(glow) = glow(material, area) else { return };
+        let Some(glow) = self.glow(number, material, area) else { return };
+        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
         let emitters = self.triangles[first..]
             .iter()
             .map(|t| Emitter::Triangle(TriangleEmitter::new(corners(t), glow)));
@@ -400,6 +440,27 @@ impl Assembly {
         self.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|v| v + first)));
         self.objects_of[0].resize(self.triangles.len(), number as u32);
         [corners[0], corners[1], corners[3]]
+    }
+
+    /// The light of object `number`, of `area` m², with this material.
+    fn glow(&mut self, number: usize, material: &Material, area: f32) -> Option<Glow> {
+        let Emission { light, two_sided } = material.emission?;
+        let sides = if two_sided { 2.0 } else { 1.0 };
+        let (EmittedLight::Radiance(light_rgb) | EmittedLight::Power(light_rgb)) = light;
+        let radiance = match light {
+            EmittedLight::Radiance(rgb) => Spectrum::from(rgb),
+            EmittedLight::Power(rgb) => Spectrum::from(rgb) / (PI * area * sides),
+        };
+        if light_rgb == Rgb::BLACK {
+            return None;
+        }
+        let shines = radiance.is_finite() && !radiance.is_black() && area > 0.0;
+        if !shines {
+            self.notes.push(format!(
+                "object {number} is a lamp of {area} m², which no power can be spread over: it gives no light"
+            ));
+        }
+        shines.then_some(Glow { radiance, two_sided })
     }
 
     fn add_emitter(&mut self, emitter: Emitter) -> u32 {
@@ -431,6 +492,11 @@ impl Assembly {
     }
 }
 
+/// Half the diagonal, in metres; 1 for a scene without surfaces.
+fn radius_of(bounds: &Aabb) -> f32 {
+    if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
+}
+
 fn triangle_area([a, b, c]: [Vec3; 3]) -> f32 {
     0.5 * (b - a).cross(c - a).length()
 }
@@ -451,18 +517,6 @@ fn box_mesh(size: Vec3) -> Mesh {
 
 fn is_border(material: &Material) -> bool {
     matches!(material.kind, MaterialKind::Dielectric(_))
-}
-
-/// The light of an object of `area` m² with this material.
-fn glow(material: &Material, area: f32) -> Option<Glow> {
-    let emission = material.emission?;
-    let sides = if emission.two_sided { 2.0 } else { 1.0 };
-    let radiance = match emission.light {
-        EmittedLight::Radiance(rgb) => Spectrum::from(rgb),
-        EmittedLight::Power(rgb) => Spectrum::from(rgb) / (PI * area * sides),
-    };
-    (radiance.is_finite() && !radiance.is_black())
-        .then_some(Glow { radiance, two_sided: emission.two_sided })
 }
 
 fn prepare_material(material: &Material, all: &[Material]) -> PreparedMaterial {

@@ -5,7 +5,7 @@
 //! of samples. Where a session was interrupted or continued leaves no trace
 //! in the picture.
 
-use crate::cpu::{Counters, Pass};
+use crate::cpu::{Counters, Rendering};
 use crate::film::{Dropped, Film};
 use crate::image::Image;
 use crate::prepare::Prepared;
@@ -158,11 +158,9 @@ impl Session {
         let shared = Arc::clone(&self.shared);
         self.worker = Some(std::thread::spawn(move || {
             let _running = Running(&shared);
-            while let Some(until_sample) = shared.next_pass() {
-                let Shared { scene, settings, film, threads, stop, counters, .. } = &*shared;
-                Pass { scene, settings, film, until_sample, threads: *threads, stop, counters }
-                    .run();
-            }
+            let Shared { scene, settings, film, threads, stop, counters, .. } = &*shared;
+            Rendering { scene, settings, film, threads: *threads, stop, counters }
+                .run(|| shared.next_pass());
         }));
     }
 

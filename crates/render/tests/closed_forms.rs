@@ -294,6 +294,26 @@ fn both_ways_of_finding_light_fade_in_a_medium() {
     }
 }
 
+/// A camera inside coloured glass sees through it from the first metre on.
+#[test]
+fn cameras_stand_in_media_as_well() {
+    let mut scene = seen_from(Vec3::ZERO, Vec3::NEG_Z, 0.1);
+    let mut glass = Dielectric::new(1.5);
+    glass.interior.absorption = Absorption::Coefficient(Rgb::grey(1.0));
+    let glass = scene.add_material(glass);
+    let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
+    scene.objects.push(Object::new(Shape::Box { size: Vec3::splat(10.0) }, glass));
+    let before = Transform::translate(Vec3::new(0.0, 0.0, -0.5));
+    scene
+        .objects
+        .push(Object::new(Shape::Rectangle { size: Vec2::splat(1.0) }, lamp).transformed(&before));
+    for integrator in [IntegratorKind::Path, IntegratorKind::Naive, IntegratorKind::Direct] {
+        let image = render(&scene, Settings { integrator, ..small(16) });
+        let (mean, _) = mean(&image, "G");
+        assert!((mean - (-0.5_f64).exp()).abs() < 1e-3, "{integrator:?}: {mean}");
+    }
+}
+
 /// A point off the focal plane becomes a disk: of radius A |d − f| / (f d) on a film at distance
 /// 1, and with the second moment R²/4 along each axis. A square lens would give s²/12.
 #[test]

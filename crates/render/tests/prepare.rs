@@ -156,6 +156,8 @@ fn broken_triangles_are_left_out_and_counted() {
     scene.objects.push(Object::new(Shape::Mesh(id), lamp));
     let prepared = Prepared::new(&scene).unwrap();
     assert_eq!(prepared.report().bvh.left_out.count, 4);
+    let notes = &prepared.report().notes;
+    assert!(notes.iter().any(|n| n.starts_with("4 of the surfaces are left out")), "{notes:?}");
     // 6 W over 6 m² of front: 1/π of radiance.
     let image = render(&scene, rutilant::settings::Settings { max_depth: Some(1), ..small(16) });
     let brightest = image.channel("R").unwrap().iter().copied().fold(0.0, f32::max);
@@ -245,4 +247,16 @@ fn unsound_scenes_are_refused_by_name() {
         refused(&|s| s.objects[0].world_from_object = Transform::scale(Vec3::new(1.0, 0.0, 1.0)))
             .contains("flattens")
     );
+}
+
+/// A scene in the dark says so, and so does a lamp that has no area to shine from.
+#[test]
+fn darkness_is_announced() {
+    let mut scene = scene();
+    let power = rutilant::material::EmittedLight::Power(Rgb::WHITE);
+    let lamp = scene.add_material(Emission { light: power, two_sided: false });
+    scene.objects.push(Object::new(Shape::Sphere { radius: 1e-30 }, lamp));
+    let notes = Prepared::new(&scene).unwrap().report().notes.clone();
+    assert!(notes.iter().any(|n| n.starts_with("object 0 is a lamp of 0 m²")), "{notes:?}");
+    assert!(notes.iter().any(|n| n.starts_with("nothing gives light")), "{notes:?}");
 }

@@ -28,6 +28,13 @@ impl Camera {
         }
     }
 
+    /// The ray from the middle of the lens through the middle of the picture.
+    pub(crate) fn axis(&self) -> Ray {
+        match self {
+            Self::Perspective(c) => c.axis(),
+        }
+    }
+
     /// This camera on a film of `size` pixels.
     pub(crate) fn prepare(&self, size: [u32; 2]) -> PreparedCamera {
         match self {

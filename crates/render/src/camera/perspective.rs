@@ -70,6 +70,11 @@ impl Perspective {
         Ok(())
     }
 
+    pub(super) fn axis(&self) -> Ray {
+        let pose = &self.world_from_camera;
+        Ray::new(pose.translation(), pose.vector(Vec3::NEG_Z).normalize())
+    }
+
     pub(super) fn prepare(&self, [width, height]: [u32; 2]) -> PreparedPerspective {
         let half_height = real::tan(0.5 * self.fov_y);
         let per_pixel = 2.0 * half_height / height as f32;

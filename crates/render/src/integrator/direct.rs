@@ -1,4 +1,4 @@
-//! Emission and direct light: every light sampled once at the first surface.
+//! Emission and direct light: one light sampled at the first surface.
 //!
 //! Written apart from [`Path`](super::Path), which gives the same picture at a depth of 2: light
 //! samples alone on rough surfaces, scattered rays alone on mirrors and glass.
@@ -28,8 +28,9 @@ impl Integrator for Direct {
     ) -> Spectrum {
         *rays += 1;
         let Some(hit) = scene.closest(&ray) else {
+            let through = transmittance(scene.camera_absorption(), f32::INFINITY);
             return SeenEmission::of_sky(scene, ray.direction)
-                .map_or(Spectrum::BLACK, |s| s.radiance);
+                .map_or(Spectrum::BLACK, |s| s.radiance * through);
         };
         let at = scene.interaction(&hit, ray.direction);
         let bsdf = scene.material(&at).bsdf;
@@ -38,7 +39,8 @@ impl Integrator for Direct {
 
         // The ray's way to here, through whatever fills the side it came from.
         let border = scene.material(&at).border;
-        let side = |front| border.map_or(Spectrum::BLACK, |b| b.absorption(front));
+        let side =
+            |front| border.map_or_else(|| scene.camera_absorption(), |b| b.absorption(front));
         let way = transmittance(side(wo.z > 0.0), hit.t);
         let mut radiance =
             SeenEmission::of_surface(scene, &at).map_or(Spectrum::BLACK, |e| e.radiance);
@@ -53,7 +55,9 @@ impl Integrator for Direct {
             *rays += 1;
             if !scene.occluded(&light.shadow_ray(origin)) {
                 let scattered = bsdf.eval_cos(wo, at.shading.to_local(light.wi));
-                radiance += scattered * light.radiance * (1.0 / (pmf * light.pdf));
+                let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
+                let through = transmittance(side(wo.z > 0.0), distance);
+                radiance += scattered * light.radiance * through * (1.0 / (pmf * light.pdf));
             }
         }
 

@@ -19,7 +19,7 @@ pub(crate) struct Naive {
     pub(crate) max_depth: u32,
 }
 
-/// Every path goes on with this probability once it is this long, and its throughput is below 1.
+/// From this many segments on, a path goes on with this probability.
 const SURVIVAL: (u32, f32) = (6, 0.7);
 
 impl Integrator for Naive {
@@ -32,7 +32,7 @@ impl Integrator for Naive {
     ) -> Spectrum {
         let mut radiance = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
-        let mut absorption = Spectrum::BLACK;
+        let mut absorption = scene.camera_absorption();
         let mut ray = camera_ray;
         for depth in 1..=self.max_depth {
             *rays += 1;

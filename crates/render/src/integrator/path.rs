@@ -54,7 +54,7 @@ impl Integrator for Path {
         let mut ray = camera_ray;
         let mut previous: Option<Previous> = None;
         // What the medium around the ray absorbs, in 1/m.
-        let mut absorption = Spectrum::BLACK;
+        let mut absorption = scene.camera_absorption();
         // Radiance is larger inside a dense medium by this factor; it will be lost on leaving.
         let mut density_gain = 1.0;
 
@@ -194,14 +194,14 @@ impl Path {
         material: &PreparedMaterial,
         delta: bool,
     ) -> f32 {
-        match self.roulette {
-            Roulette::Off => 1.0,
+        let survival = match self.roulette {
+            Roulette::Off => return 1.0,
             Roulette::Albedo if delta => 1.0,
             Roulette::Albedo => material.bsdf.albedo().max_channel().clamp(0.1, 1.0),
             Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
             Roulette::Throughput => worth.max_channel().clamp(0.0, 1.0),
-        }
-        .min(if depth < ENDLESS_FROM { 1.0 } else { ENDLESS_SURVIVAL })
+        };
+        if depth < ENDLESS_FROM { survival } else { survival.min(ENDLESS_SURVIVAL) }
     }
 }
 

@@ -56,7 +56,7 @@ impl Light {
             }
             Self::Directional { direction, irradiance } => {
                 place.check("direction", direction.to_array(), FINITE)?;
-                if direction.try_normalize().is_none() {
+                if unit(direction).is_none() {
                     return Err(place.problem("direction", "direction has no length"));
                 }
                 place.check("irradiance", irradiance.0, NOT_NEGATIVE)
@@ -70,9 +70,14 @@ impl Light {
                 Emitter::Point(PointEmitter { position, intensity: intensity.into() })
             }
             Self::Directional { direction, irradiance } => Emitter::Distant(DistantEmitter {
-                towards: -direction.normalize_or(Vec3::NEG_Y),
+                towards: -unit(direction).unwrap_or(Vec3::NEG_Y),
                 irradiance: irradiance.into(),
             }),
         }
     }
+}
+
+/// A direction of any length but 0 at length 1; the squares of its parts may overflow or vanish.
+fn unit(direction: Vec3) -> Option<Vec3> {
+    (direction / direction.abs().max_element()).try_normalize()
 }

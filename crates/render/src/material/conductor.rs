@@ -1,20 +1,23 @@
 //! Smooth metal, with the reflection that its complex index of refraction gives.
 
 use crate::color::Rgb;
-use crate::problem::{NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{Place, SceneProblem};
 
 /// A smooth metal seen from a medium of index 1. The index is `eta + i k`, per channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
-    /// Real part of the index of refraction, 0 or more.
+    /// Real part of the index of refraction, 0 to 1000.
     pub eta: Rgb,
-    /// Imaginary part (extinction), 0 or more.
+    /// Imaginary part (extinction), 0 to 1000.
     pub k: Rgb,
 }
 
+/// The largest part of an index accepted; metals stay below 100 even in the infrared.
+const MAX_INDEX: f32 = 1000.0;
+
 impl Conductor {
     pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
-        place.check("eta", self.eta.0, NOT_NEGATIVE)?;
-        place.check("k", self.k.0, NOT_NEGATIVE)
+        place.check("eta", self.eta.0, 0.0..=MAX_INDEX)?;
+        place.check("k", self.k.0, 0.0..=MAX_INDEX)
     }
 }

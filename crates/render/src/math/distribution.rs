@@ -14,11 +14,17 @@ pub struct Distribution1d {
 
 impl Distribution1d {
     /// From one value a step, finite and not negative. `None` when there are no values or their sum is 0.
+    ///
+    /// A step that holds next to nothing is raised to a share of 2⁻¹⁸ (less for very many steps):
+    /// numbers in [0, 1) are too coarse to draw it any more rarely, and it must not be lost.
     pub fn new(values: impl ExactSizeIterator<Item = f64> + Clone) -> Option<Self> {
         let total: f64 = values.clone().sum();
         if !(total > 0.0 && total.is_finite()) {
             return None;
         }
+        let least = total * (0.1 / values.len() as f64).min(1.0 / f64::from(1 << 18));
+        let values = values.map(|v| if v > 0.0 { v.max(least) } else { 0.0 });
+        let total: f64 = values.clone().sum();
         let mut sum = 0.0;
         let mut cumulative: Vec<f32> = values
             .map(|value| {
@@ -129,6 +135,18 @@ mod tests {
         assert_eq!(d.sample_step(1.0 - 0.5 * f32::EPSILON).0, 3);
         assert!(Distribution1d::new([0.0; 3].into_iter()).is_none());
         assert!(Distribution1d::new([].into_iter()).is_none());
+    }
+
+    /// Next to a sun everything else is dim, but none of it is never drawn.
+    #[test]
+    fn dim_steps_are_never_lost() {
+        for len in [4, 1000, 100_000] {
+            let sun = len / 2;
+            let values = (0..len).map(|i| if i == sun { 1e12 } else { 1.0 });
+            let d = Distribution1d::new(values).unwrap();
+            assert!((0..len).all(|i| d.pmf(i) > 0.0), "{len}");
+            assert!(d.pmf(sun) > 0.85, "{len}: {}", d.pmf(sun));
+        }
     }
 
     /// The returned density is that of the place, and it integrates to 1.
