@@ -169,6 +169,13 @@ fn lights_without_surface_over_a_plane() {
             Light::Directional { direction: Vec3::new(3.0, -4.0, 0.0), irradiance: Rgb::grey(5.0) },
             4.0,
         ),
+        (
+            Light::Directional {
+                direction: Vec3::new(3e-25, -4e-25, 0.0),
+                irradiance: Rgb::grey(5.0),
+            },
+            4.0,
+        ),
     ];
     for (light, irradiance) in lights {
         let mut scene = seen_from(Vec3::new(1.0, 0.5, 1.0), Vec3::ZERO, 0.002);
