@@ -147,6 +147,10 @@ fn help_shows_the_way() {
     for word in ["--spp", "--time", "--crop", "check", "compare", "Examples:", "Exit status"] {
         assert!(help.contains(word), "{word}");
     }
+    let help = desk.run("compare --help").out;
+    for format in [".exr", ".hdr", ".pfm", ".png", ".jpg"] {
+        assert!(help.contains(format), "{format}");
+    }
     assert!(desk.run("--version").out.starts_with("rutilant "));
 }
 
@@ -538,6 +542,18 @@ fn compare_counts_what_is_no_number() {
     assert_eq!(number(&result["flip"]), 0.0);
     let nothing = desk.run("compare a.exr room.toml");
     assert_eq!(nothing.status, 2, "{nothing:?}");
+}
+
+/// Pixels next to nothing around a lamp: this once asked for four billion exposures.
+#[test]
+fn compare_survives_a_median_next_to_nothing() {
+    let desk = Desk::new();
+    let dark = |x: u32, y: u32| [if (x, y) == (5, 5) { 1.0 } else { 1e-41 }; 3];
+    write_picture(&desk.path("a.pfm"), [16, 12], dark);
+    let same = desk.json("compare a.pfm a.pfm --json");
+    for key in ["rmse", "relmse", "flip", "hdr_flip"] {
+        assert_eq!(number(&same[key]), 0.0, "{key}");
+    }
 }
 
 #[test]
