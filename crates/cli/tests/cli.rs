@@ -269,6 +269,24 @@ fn check_tells_good_from_bad() {
     assert!(!notes.is_empty() && notes.iter().all(|n| n.matches("bare.obj: ").count() == 1));
 }
 
+/// What only shows when a scene is prepared is told as well, with the file it is about: here
+/// glass that is wound inside out.
+#[test]
+fn check_looks_as_closely_as_rendering() {
+    let desk = Desk::new();
+    let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+    fs::write(desk.path("inside-out.obj"), tetrahedron).unwrap();
+    let mesh = "\n[[shape]]\ntype = \"mesh\"\nfile = \"inside-out.obj\"\nmaterial = \"glass\"\n";
+    fs::write(desk.path("glass.toml"), format!("{ROOM}{mesh}")).unwrap();
+    let ran = desk.run("check room.toml glass.toml");
+    assert_eq!(ran.status, 0, "{ran:?}");
+    let turned = |text: &str| text.contains("glass.toml: ") && text.contains("inside out");
+    assert_eq!(ran.error.lines().filter(|line| turned(line)).count(), 1, "{}", ran.error);
+    let verdict = desk.json("check glass.toml --json");
+    let notes = verdict["notes"].as_array().unwrap();
+    assert!(notes.iter().any(|note| turned(note.as_str().unwrap())), "{verdict}");
+}
+
 #[test]
 fn info_counts_what_is_there() {
     let desk = Desk::new();
