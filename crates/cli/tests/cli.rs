@@ -614,6 +614,18 @@ fn bench_finds_the_right_hits() {
 
     write("short.rays", &[1.0; 9]);
     write("nan.rays", &[f32::NAN; 8]);
+    for (numbers, what) in [
+        ([0.0, f32::INFINITY, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0], "ray 0: origin is"),
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN, 1.0], "ray 0: direction is"),
+        ([0.0; 8], "ray 0: direction is 0"),
+        ([0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0], "ray 0: t_min is -1, but must be 0 or more"),
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, f32::NAN], "ray 0: t_max is NaN"),
+    ] {
+        write("bad.rays", &numbers);
+        let ran = desk.run("bench rays one.tris bad.rays");
+        assert_eq!(ran.status, 2, "{what}");
+        assert!(ran.error.contains(what), "{what}: {}", ran.error);
+    }
     for bad in ["short.rays", "nan.rays", "none.rays", "."] {
         let ran = desk.run(&format!("bench rays one.tris {bad}"));
         assert_eq!(ran.status, 2, "{bad}");
