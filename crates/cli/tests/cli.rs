@@ -394,6 +394,49 @@ fn exposure_changes_what_is_shown_and_not_what_is_stored() {
     assert_ne!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
 }
 
+/// A picture says how it was made, in the words of the command line: those words make it again.
+#[test]
+fn a_picture_says_how_to_make_it_again() {
+    let desk = Desk::new();
+    let said = "--spp 2 --seed 7 --size 40x30 --crop 4,3,20,10 --integrator naive \
+                --sampler independent --max-depth 3";
+    desk.json(&format!("room.toml --json -o a.hdr {said}"));
+    let bytes = fs::read(desk.path("a.hdr")).unwrap();
+    let header = String::from_utf8_lossy(&bytes);
+    let kept: Vec<_> = header
+        .lines()
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("# ")?.split_once(": "))
+        .map(|(name, value)| format!("--{} {value}", name.replace('_', "-")))
+        .collect();
+    for option in ["--spp 2", "--seed 7", "--size 40x30", "--crop 4,3,20,10"] {
+        assert!(kept.iter().any(|k| k == option), "{option}: {kept:?}");
+    }
+    desk.json(&format!("room.toml --json -o b.hdr {}", kept.join(" ")));
+    assert_eq!(bytes, fs::read(desk.path("b.hdr")).unwrap());
+}
+
+/// An option without effect is not passed over in silence.
+#[test]
+fn a_max_depth_without_effect_is_told() {
+    let desk = Desk::new();
+    for (integrator, heeds) in [
+        ("path", true),
+        ("naive", true),
+        ("direct", false),
+        ("ao", false),
+        ("normals", false),
+        ("albedo", false),
+        ("depth", false),
+    ] {
+        let ran = desk.run(&format!("room.toml --spp 1 --integrator {integrator} --max-depth 2"));
+        assert_eq!(ran.status, 0, "{integrator}: {ran:?}");
+        assert_eq!(ran.error.contains("--max-depth"), !heeds, "{integrator}: {}", ran.error);
+    }
+    let ran = desk.run("room.toml --spp 1 --integrator direct");
+    assert!(!ran.error.contains("--max-depth"), "{}", ran.error);
+}
+
 /// Programs get lines of JSON, the result last, and nothing else.
 #[test]
 fn progress_for_programs_is_lines_of_json() {
