@@ -171,7 +171,11 @@ fn bad_usage_is_refused_with_a_hint() {
         ("room.toml --threads 0", "1024"),
         ("room.toml --integrator magic", "path"),
         ("room.toml --exposure nan", "number"),
-        ("room.toml other.toml", "other.toml"),
+        ("room.toml other.toml", "\"other.toml\" is one too many"),
+        ("--spp 4 check room.toml", "a command comes first"),
+        ("room.toml check", "a command comes first"),
+        ("room.toml --seed -1", "whole number, 0 or more"),
+        ("room.toml --seed 1.5", "whole number, 0 or more"),
         ("check", "SCENE"),
         ("compare a.png", "REFERENCE"),
         ("bench", "rays"),
@@ -182,6 +186,34 @@ fn bad_usage_is_refused_with_a_hint() {
         assert_eq!(ran.out, "", "{arguments}");
     }
     assert_eq!(desk.files(), ["room.toml"]);
+}
+
+/// A slip in a command is answered by the command, not by talk about a scene of that name.
+#[test]
+fn a_mistyped_command_is_recognised() {
+    let desk = Desk::new();
+    for arguments in ["rendr", "rendr room.toml", "rendr room.toml --spp 1", "rendr --help"] {
+        let ran = desk.run(arguments);
+        let error = "error: no command \"rendr\"; did you mean \"render\"?\n";
+        assert_eq!((ran.status, ran.error.as_str()), (2, error), "{arguments}");
+    }
+    for arguments in ["view", "view room.toml"] {
+        let ran = desk.run(arguments);
+        assert_eq!(ran.status, 2, "{arguments}: {ran:?}");
+        assert!(ran.error.starts_with("error: no command \"view\"; "), "{}", ran.error);
+        for name in ["render", "check", "info", "compare", "bench", ".toml"] {
+            assert!(ran.error.contains(name), "{name}: {}", ran.error);
+        }
+        assert_eq!(ran.error.lines().count(), 1, "{}", ran.error);
+    }
+    assert_eq!(desk.files(), ["room.toml"]);
+    // What is there, or ends like a scene, is a scene.
+    fs::write(desk.path("rendr"), ROOM).unwrap();
+    for scene in ["rendr", "rendr.toml", "kitchen.scene"] {
+        let ran = desk.run(scene);
+        assert_eq!(ran.status, 2, "{scene}");
+        assert!(!ran.error.contains("command"), "{scene}: {}", ran.error);
+    }
 }
 
 // ---- errors ----
