@@ -216,21 +216,30 @@ fn read_rays(path: &Path) -> Result<Vec<Ray>, Failure> {
             t_min: r[3],
             t_max: r[7],
         };
-        let sound = ray.origin.is_finite()
-            && ray.direction.is_finite()
-            && ray.direction != Vec3::ZERO
-            && ray.t_min >= 0.0
-            && !ray.t_max.is_nan();
-        if sound {
-            Ok(ray)
-        } else {
-            Err(Failure::usage(format!(
-                "{}: ray {i} has no finite origin, direction or range: {r:?}",
-                path.display()
-            )))
+        match fault(&ray) {
+            None => Ok(ray),
+            Some(what) => Err(Failure::usage(format!("{}: ray {i}: {what}", path.display()))),
         }
     };
     rays.into_iter().enumerate().map(ray).collect()
+}
+
+/// Why a ray cannot be traced.
+fn fault(ray: &Ray) -> Option<String> {
+    let Ray { origin, direction, t_min, t_max } = *ray;
+    if !origin.is_finite() {
+        Some(format!("origin is {origin}, but must be finite"))
+    } else if !direction.is_finite() {
+        Some(format!("direction is {direction}, but must be finite"))
+    } else if direction == Vec3::ZERO {
+        Some("direction is 0, but must point somewhere".to_owned())
+    } else if t_min.is_nan() || t_min < 0.0 {
+        Some(format!("t_min is {t_min}, but must be 0 or more"))
+    } else if t_max.is_nan() {
+        Some("t_max is NaN, but must be a number".to_owned())
+    } else {
+        None
+    }
 }
 
 /// A file of 32-bit numbers in groups of `N`.

@@ -30,16 +30,16 @@ struct Verdict<'a> {
     notes: Vec<String>,
 }
 
-/// Reads every scene, even after a bad one; the exit status tells whether all were good.
+/// Examines every scene, even after a bad one; the exit status tells whether all were good.
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for path in &args.scenes {
-        let (error, notes) = match load::read(Some(path), args.reading) {
-            Ok(loaded) => {
+        let (error, notes) = match examine(path, args.reading) {
+            Ok((contents, notes)) => {
                 if !args.json {
-                    print_line(&format!("{}: ok: {}", path.display(), contents(&loaded.scene)))?;
+                    print_line(&format!("{}: ok: {contents}", path.display()))?;
                 }
-                (None, loaded.notes)
+                (None, notes)
             }
             Err(failure) => {
                 tell(&failure.line);
@@ -55,6 +55,16 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         }
     }
     Ok(exit)
+}
+
+/// Reads and prepares a scene as for rendering. Gives what it holds, and notes that say by
+/// themselves which file they are about.
+fn examine(path: &Path, reading: Reading) -> Result<(String, Vec<String>), Failure> {
+    let loaded = load::read(Some(path), reading)?;
+    let prepared = load::prepare(&loaded)?;
+    let mended = prepared.report().notes.iter().map(|note| format!("{}: {note}", path.display()));
+    let contents = contents(&loaded.scene);
+    Ok((contents, loaded.notes.into_iter().chain(mended).collect()))
 }
 
 /// A line about what a scene holds.

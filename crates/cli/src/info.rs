@@ -170,7 +170,7 @@ fn describe(info: &Info, contents: &str, lamps: u64) -> String {
             "",
             &format!(
                 "{} left out: degenerate, NaN or infinite",
-                several(tree.left_out, "shape", "shapes")
+                several(tree.left_out, "surface", "surfaces")
             ),
         );
     }

@@ -6,6 +6,7 @@
 
 mod bench;
 mod check;
+mod command;
 mod compare;
 mod failure;
 mod info;
@@ -43,7 +44,7 @@ enum Mode {
     /// Render a scene; this is what happens when no command is named
     #[command(after_help = render::EXAMPLES)]
     Render(render::Args),
-    /// Read and validate scenes, render nothing
+    /// Read, validate and prepare scenes, render nothing
     Check(check::Args),
     /// Say what is in a scene: triangles, materials, lights, bounds, ray tree
     Info(info::Args),
@@ -69,7 +70,13 @@ Scenes: .toml (docs/scene-format.md), .obj, .ply. Images: .exr, .hdr, .pfm, .png
 Exit status: 0 done, 1 failed, 2 bad usage or bad scene, 130 interrupted.";
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match command::parse() {
+        Ok(cli) => cli,
+        Err(Failure { exit, line }) => {
+            tell(&line);
+            return exit.into();
+        }
+    };
     let end = match &cli.mode {
         None => render::run(&cli.render),
         Some(Mode::Render(args)) => render::run(args),

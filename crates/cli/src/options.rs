@@ -69,6 +69,11 @@ pub(crate) fn count<N: std::str::FromStr + Default + PartialEq>(text: &str) -> R
     }
 }
 
+/// A number that stands for a picture.
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| "write a whole number, 0 or more".to_owned())
+}
+
 /// How many threads.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -115,6 +120,30 @@ impl From<Integrator> for IntegratorKind {
     }
 }
 
+impl From<IntegratorKind> for Integrator {
+    fn from(kind: IntegratorKind) -> Self {
+        match kind {
+            IntegratorKind::Path => Self::Path,
+            IntegratorKind::Naive => Self::Naive,
+            IntegratorKind::Direct => Self::Direct,
+            IntegratorKind::AmbientOcclusion => Self::Ao,
+            IntegratorKind::Normals => Self::Normals,
+            IntegratorKind::Albedo => Self::Albedo,
+            IntegratorKind::Depth => Self::Depth,
+        }
+    }
+}
+
+impl Integrator {
+    /// True when the length of paths changes the picture.
+    pub(crate) fn heeds_max_depth(self) -> bool {
+        match self {
+            Self::Path | Self::Naive => true,
+            Self::Direct | Self::Ao | Self::Normals | Self::Albedo | Self::Depth => false,
+        }
+    }
+}
+
 /// Where random numbers come from.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Sampler {
@@ -131,6 +160,20 @@ impl From<Sampler> for SamplerKind {
             Sampler::Independent => Self::Independent,
         }
     }
+}
+
+impl From<SamplerKind> for Sampler {
+    fn from(kind: SamplerKind) -> Self {
+        match kind {
+            SamplerKind::Sobol => Self::Sobol,
+            SamplerKind::Independent => Self::Independent,
+        }
+    }
+}
+
+/// A choice as it is written on the command line.
+pub(crate) fn name(choice: &impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// What becomes of values above white.

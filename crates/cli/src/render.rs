@@ -50,7 +50,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "X,Y,W,H", help_heading = PICTURE, value_parser = options::crop)]
     crop: Option<Crop>,
     /// Another seed gives another, equally good picture
-    #[arg(long, value_name = "N", help_heading = PICTURE)]
+    #[arg(long, value_name = "N", help_heading = PICTURE, value_parser = options::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
 
     /// What is computed along each path
@@ -59,7 +59,7 @@ pub(crate) struct Args {
     /// Where random numbers come from
     #[arg(long, value_name = "NAME", help_heading = LIGHT, value_enum)]
     sampler: Option<Sampler>,
-    /// The longest path in segments: 1 is emission seen directly, 2 direct light
+    /// The longest path in segments: 1 is emission seen directly, 2 direct light; for path and naive
     #[arg(long, value_name = "N", help_heading = LIGHT, value_parser = options::count::<u32>, allow_hyphen_values = true)]
     max_depth: Option<u32>,
 
@@ -161,6 +161,11 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let prepared = prepared?;
     let mut notes = loaded.notes;
     notes.extend(prepared.report().notes.iter().cloned());
+    let integrator = Integrator::from(settings.integrator);
+    if args.max_depth.is_some() && !integrator.heeds_max_depth() {
+        let name = options::name(&integrator);
+        notes.push(format!("--max-depth changes nothing: the integrator \"{name}\" ignores it"));
+    }
     drop(loaded.scene);
     drop(spinner);
     if !args.quiet {
@@ -268,12 +273,24 @@ fn settings(args: &Args, scene: &Settings) -> Settings {
 /// More samples than any time allows.
 const UNBOUNDED: u64 = 1 << 32;
 
-/// What is kept with the picture: enough to make it again from the scene. No times and no
-/// places, so that equal pictures are equal files.
+/// What is kept with the picture: all that the command line can say about it, in the words of
+/// the command line, so that with the scene it can be made again. No times and no file names,
+/// so that equal pictures are equal files.
 fn metadata(settings: &Settings, rendered: &Rendered) -> Vec<(String, String)> {
-    [("spp", rendered.progress.samples.to_string()), ("seed", settings.seed.to_string())]
-        .map(|(name, value)| (name.to_owned(), value))
-        .into()
+    let [width, height] = settings.size;
+    let crop = settings.crop.map(|c| format!("{},{},{},{}", c.x, c.y, c.width, c.height));
+    [
+        ("spp", Some(rendered.progress.samples.to_string())),
+        ("seed", Some(settings.seed.to_string())),
+        ("size", Some(format!("{width}x{height}"))),
+        ("crop", crop),
+        ("integrator", Some(options::name(&Integrator::from(settings.integrator)))),
+        ("sampler", Some(options::name(&Sampler::from(settings.sampler)))),
+        ("max_depth", settings.max_depth.map(|depth| depth.to_string())),
+    ]
+    .into_iter()
+    .filter_map(|(name, value)| Some((name.to_owned(), value?)))
+    .collect()
 }
 
 /// A picture, and how it came about.

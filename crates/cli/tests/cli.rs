@@ -147,6 +147,10 @@ fn help_shows_the_way() {
     for word in ["--spp", "--time", "--crop", "check", "compare", "Examples:", "Exit status"] {
         assert!(help.contains(word), "{word}");
     }
+    let help = desk.run("compare --help").out;
+    for format in [".exr", ".hdr", ".pfm", ".png", ".jpg"] {
+        assert!(help.contains(format), "{format}");
+    }
     assert!(desk.run("--version").out.starts_with("rutilant "));
 }
 
@@ -167,7 +171,11 @@ fn bad_usage_is_refused_with_a_hint() {
         ("room.toml --threads 0", "1024"),
         ("room.toml --integrator magic", "path"),
         ("room.toml --exposure nan", "number"),
-        ("room.toml other.toml", "other.toml"),
+        ("room.toml other.toml", "\"other.toml\" is one too many"),
+        ("--spp 4 check room.toml", "a command comes first"),
+        ("room.toml check", "a command comes first"),
+        ("room.toml --seed -1", "whole number, 0 or more"),
+        ("room.toml --seed 1.5", "whole number, 0 or more"),
         ("check", "SCENE"),
         ("compare a.png", "REFERENCE"),
         ("bench", "rays"),
@@ -178,6 +186,34 @@ fn bad_usage_is_refused_with_a_hint() {
         assert_eq!(ran.out, "", "{arguments}");
     }
     assert_eq!(desk.files(), ["room.toml"]);
+}
+
+/// A slip in a command is answered by the command, not by talk about a scene of that name.
+#[test]
+fn a_mistyped_command_is_recognised() {
+    let desk = Desk::new();
+    for arguments in ["rendr", "rendr room.toml", "rendr room.toml --spp 1", "rendr --help"] {
+        let ran = desk.run(arguments);
+        let error = "error: no command \"rendr\"; did you mean \"render\"?\n";
+        assert_eq!((ran.status, ran.error.as_str()), (2, error), "{arguments}");
+    }
+    for arguments in ["view", "view room.toml"] {
+        let ran = desk.run(arguments);
+        assert_eq!(ran.status, 2, "{arguments}: {ran:?}");
+        assert!(ran.error.starts_with("error: no command \"view\"; "), "{}", ran.error);
+        for name in ["render", "check", "info", "compare", "bench", ".toml"] {
+            assert!(ran.error.contains(name), "{name}: {}", ran.error);
+        }
+        assert_eq!(ran.error.lines().count(), 1, "{}", ran.error);
+    }
+    assert_eq!(desk.files(), ["room.toml"]);
+    // What is there, or ends like a scene, is a scene.
+    fs::write(desk.path("rendr"), ROOM).unwrap();
+    for scene in ["rendr", "rendr.toml", "kitchen.scene"] {
+        let ran = desk.run(scene);
+        assert_eq!(ran.status, 2, "{scene}");
+        assert!(!ran.error.contains("command"), "{scene}: {}", ran.error);
+    }
 }
 
 // ---- errors ----
@@ -263,6 +299,24 @@ fn check_tells_good_from_bad() {
     let ran = desk.run("check bare.obj");
     let notes: Vec<_> = ran.error.lines().collect();
     assert!(!notes.is_empty() && notes.iter().all(|n| n.matches("bare.obj: ").count() == 1));
+}
+
+/// What only shows when a scene is prepared is told as well, with the file it is about: here
+/// glass that is wound inside out.
+#[test]
+fn check_looks_as_closely_as_rendering() {
+    let desk = Desk::new();
+    let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+    fs::write(desk.path("inside-out.obj"), tetrahedron).unwrap();
+    let mesh = "\n[[shape]]\ntype = \"mesh\"\nfile = \"inside-out.obj\"\nmaterial = \"glass\"\n";
+    fs::write(desk.path("glass.toml"), format!("{ROOM}{mesh}")).unwrap();
+    let ran = desk.run("check room.toml glass.toml");
+    assert_eq!(ran.status, 0, "{ran:?}");
+    let turned = |text: &str| text.contains("glass.toml: ") && text.contains("inside out");
+    assert_eq!(ran.error.lines().filter(|line| turned(line)).count(), 1, "{}", ran.error);
+    let verdict = desk.json("check glass.toml --json");
+    let notes = verdict["notes"].as_array().unwrap();
+    assert!(notes.iter().any(|note| turned(note.as_str().unwrap())), "{verdict}");
 }
 
 #[test]
@@ -370,6 +424,49 @@ fn exposure_changes_what_is_shown_and_not_what_is_stored() {
     assert_eq!(plain, brighter);
     assert_eq!(fs::read(desk.path("a.exr")).unwrap(), fs::read(desk.path("b.exr")).unwrap());
     assert_ne!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
+}
+
+/// A picture says how it was made, in the words of the command line: those words make it again.
+#[test]
+fn a_picture_says_how_to_make_it_again() {
+    let desk = Desk::new();
+    let said = "--spp 2 --seed 7 --size 40x30 --crop 4,3,20,10 --integrator naive \
+                --sampler independent --max-depth 3";
+    desk.json(&format!("room.toml --json -o a.hdr {said}"));
+    let bytes = fs::read(desk.path("a.hdr")).unwrap();
+    let header = String::from_utf8_lossy(&bytes);
+    let kept: Vec<_> = header
+        .lines()
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("# ")?.split_once(": "))
+        .map(|(name, value)| format!("--{} {value}", name.replace('_', "-")))
+        .collect();
+    for option in ["--spp 2", "--seed 7", "--size 40x30", "--crop 4,3,20,10"] {
+        assert!(kept.iter().any(|k| k == option), "{option}: {kept:?}");
+    }
+    desk.json(&format!("room.toml --json -o b.hdr {}", kept.join(" ")));
+    assert_eq!(bytes, fs::read(desk.path("b.hdr")).unwrap());
+}
+
+/// An option without effect is not passed over in silence.
+#[test]
+fn a_max_depth_without_effect_is_told() {
+    let desk = Desk::new();
+    for (integrator, heeds) in [
+        ("path", true),
+        ("naive", true),
+        ("direct", false),
+        ("ao", false),
+        ("normals", false),
+        ("albedo", false),
+        ("depth", false),
+    ] {
+        let ran = desk.run(&format!("room.toml --spp 1 --integrator {integrator} --max-depth 2"));
+        assert_eq!(ran.status, 0, "{integrator}: {ran:?}");
+        assert_eq!(ran.error.contains("--max-depth"), !heeds, "{integrator}: {}", ran.error);
+    }
+    let ran = desk.run("room.toml --spp 1 --integrator direct");
+    assert!(!ran.error.contains("--max-depth"), "{}", ran.error);
 }
 
 /// Programs get lines of JSON, the result last, and nothing else.
@@ -540,6 +637,18 @@ fn compare_counts_what_is_no_number() {
     assert_eq!(nothing.status, 2, "{nothing:?}");
 }
 
+/// Pixels next to nothing around a lamp: this once asked for four billion exposures.
+#[test]
+fn compare_survives_a_median_next_to_nothing() {
+    let desk = Desk::new();
+    let dark = |x: u32, y: u32| [if (x, y) == (5, 5) { 1.0 } else { 1e-41 }; 3];
+    write_picture(&desk.path("a.pfm"), [16, 12], dark);
+    let same = desk.json("compare a.pfm a.pfm --json");
+    for key in ["rmse", "relmse", "flip", "hdr_flip"] {
+        assert_eq!(number(&same[key]), 0.0, "{key}");
+    }
+}
+
 #[test]
 fn compare_refuses_other_sizes() {
     let desk = Desk::new();
@@ -580,6 +689,18 @@ fn bench_finds_the_right_hits() {
 
     write("short.rays", &[1.0; 9]);
     write("nan.rays", &[f32::NAN; 8]);
+    for (numbers, what) in [
+        ([0.0, f32::INFINITY, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0], "ray 0: origin is"),
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN, 1.0], "ray 0: direction is"),
+        ([0.0; 8], "ray 0: direction is 0"),
+        ([0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0], "ray 0: t_min is -1, but must be 0 or more"),
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, f32::NAN], "ray 0: t_max is NaN"),
+    ] {
+        write("bad.rays", &numbers);
+        let ran = desk.run("bench rays one.tris bad.rays");
+        assert_eq!(ran.status, 2, "{what}");
+        assert!(ran.error.contains(what), "{what}: {}", ran.error);
+    }
     for bad in ["short.rays", "nan.rays", "none.rays", "."] {
         let ran = desk.run(&format!("bench rays one.tris {bad}"));
         assert_eq!(ran.status, 2, "{bad}");

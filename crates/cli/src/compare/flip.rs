@@ -311,13 +311,20 @@ impl Plane {
 fn exposures(reference: &Pixels) -> Vec<f32> {
     /// The displayed value that counts as bright.
     const BRIGHT: f32 = 0.85;
+    /// All normal numbers lie within 254 stops, so this only guards against mistakes above.
+    const MOST_EXPOSURES: u32 = 300;
     // The value that the tone curve takes to BRIGHT: (k0 − t k3) x² + (k1 − t k4) x − t k5 = 0.
     let [k0, k1, k3, k4, k5] = CURVE;
     let (a, b, c) = (k0 - BRIGHT * k3, k1 - BRIGHT * k4, -BRIGHT * k5);
     let bright = (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
 
-    let mut luminances: Vec<f32> =
-        reference.values.iter().map(|&rgb| times(&XYZ_OF_RGB, rgb)[1].max(0.0)).collect();
+    // What is too dark for a normal number is black: no exposure would show it, and the way
+    // there is infinite. What is too bright for a number is the greatest one.
+    let luminance = |rgb: [f32; 3]| match times(&XYZ_OF_RGB, rgb)[1] {
+        l if l >= f32::MIN_POSITIVE => l.min(f32::MAX),
+        _ => 0.0,
+    };
+    let mut luminances: Vec<f32> = reference.values.iter().copied().map(luminance).collect();
     luminances.sort_unstable_by(f32::total_cmp);
     // A picture that is mostly black is judged by its lit part: its median says nothing.
     let median = match luminances[luminances.len() / 2] {
@@ -329,7 +336,7 @@ fn exposures(reference: &Pixels) -> Vec<f32> {
     };
     let most = luminances.last().copied().filter(|m| *m > 0.0).unwrap_or(1.0);
     let (start, stop) = ((bright / most).log2(), (bright / median).log2());
-    let count = ((stop - start).ceil() as u32).max(2);
+    let count = ((stop - start).ceil() as u32).clamp(2, MOST_EXPOSURES);
     (0..count).map(|i| start + (stop - start) * i as f32 / (count - 1) as f32).collect()
 }
 
@@ -403,12 +410,37 @@ mod tests {
         }
     }
 
+    /// Any finite picture is shown at a few hundred finite exposures at most. A median below
+    /// the normal numbers once asked for four billion.
+    #[test]
+    fn exposures_are_few_and_finite() {
+        for dark in [0.0, -1.0, f32::from_bits(1), 1e-41, f32::MIN_POSITIVE, 1e-30] {
+            for bright in [0.0, f32::from_bits(1), 1e-41, 1.0, f32::MAX] {
+                let mut picture = ramp((16, 12)).map(|_| [dark; 3]);
+                picture.values[100] = [bright; 3];
+                let exposures = exposures(&picture);
+                assert!((2..=300).contains(&exposures.len()), "{dark} {bright}: {exposures:?}");
+                // Neither 0 nor infinity as a factor.
+                let sound = |stops: &f32| stops.exp2().is_normal() || stops.exp2().is_subnormal();
+                assert!(exposures.iter().all(sound), "{dark} {bright}: {exposures:?}");
+            }
+        }
+        // What is nearly nothing is nothing.
+        let lamp = |dark: f32| {
+            let mut picture = ramp((16, 12)).map(|_| [dark; 3]);
+            picture.values[100] = [1.0; 3];
+            picture
+        };
+        assert_eq!(exposures(&lamp(1e-41)), exposures(&lamp(0.0)));
+        assert!(hdr(&lamp(1e-41), &lamp(1e-41), PIXELS_PER_DEGREE).iter().all(|d| *d == 0.0));
+    }
+
     /// Black, tiny, one-pixel and absurdly bright pictures give numbers from 0 to 1.
     #[test]
     fn odd_pictures_give_numbers() {
         for size in [(1, 1), (3, 1), (1, 5), SIZE] {
             let ramp = ramp(size);
-            for factor in [0.0, 1e-30, 1.0, 3e38] {
+            for factor in [0.0, 1e-41, 1e-30, 1.0, 3e38, f32::MAX] {
                 let scaled = ramp.map(|rgb| rgb.map(|c| c * factor));
                 for (a, b) in [(&ramp, &scaled), (&scaled, &ramp)] {
                     for map in [ldr(a, b, PIXELS_PER_DEGREE), hdr(a, b, PIXELS_PER_DEGREE)] {

@@ -30,9 +30,9 @@ FLIP runs from 0 (no visible difference) to 1, for a viewer 0.7 m from a 0.7 m w
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The image to judge: .exr, .hdr, .png, .jpg
+    /// The image to judge: .exr, .hdr, .pfm (scene-linear), .png, .jpg
     image: PathBuf,
-    /// The image it should be
+    /// The image it should be, in any of these formats
     reference: PathBuf,
     /// Write a picture of the FLIP difference: black where there is none, then violet, orange, yellow
     #[arg(long, value_name = "FILE")]
