@@ -1,6 +1,6 @@
 //! `rutilant info`: what is in a scene, and how well rays find it.
 
-use crate::check::{contents, lamps, triangles};
+use crate::check::{contents, triangles};
 use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading, timed};
 use crate::options;
@@ -105,13 +105,13 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     if args.json {
         print_json(&info)?;
     } else {
-        print_line(describe(&info, &contents(scene), lamps(scene)).trim_end())?;
+        print_line(describe(&info, &contents(scene)).trim_end())?;
     }
     Ok(Exit::Done)
 }
 
 /// The same for people.
-fn describe(info: &Info, contents: &str, lamps: u64) -> String {
+fn describe(info: &Info, contents: &str) -> String {
     let mut text = String::new();
     let mut row = |name: &str, value: &str| {
         let _ = writeln!(text, "{name:<11}{value}");
@@ -143,9 +143,6 @@ fn describe(info: &Info, contents: &str, lamps: u64) -> String {
     );
     row("materials", &list(&info.materials));
     row("lights", &list(&info.lights));
-    if lamps == 0 {
-        row("", "nothing gives light: the picture will be black");
-    }
     match info.bounds {
         Some([min, max]) => {
             let point = |p: [f32; 3]| p.map(significant).join(", ");
