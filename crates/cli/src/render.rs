@@ -11,7 +11,7 @@ use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant::settings::{Crop, Settings};
 use rutilant::{Prepared, Progress, Session};
-use rutilant_formats::image::{WriteOptions, check_writable};
+use rutilant_formats::image::{Precision, WriteOptions, check_writable};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -70,6 +70,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME", help_heading = DISPLAY, value_enum)]
     curve: Option<DisplayCurve>,
 
+    /// Store the numbers of .exr files in 16 bits: half the size, about three digits
+    #[arg(long, help_heading = FILES)]
+    half: bool,
+
     #[command(flatten)]
     reading: Reading,
 
@@ -93,6 +97,7 @@ pub(crate) struct Args {
 const PICTURE: &str = "Picture";
 const LIGHT: &str = "Light transport";
 const DISPLAY: &str = "Display (.png, .jpg)";
+const FILES: &str = "Files";
 const RUNNING: &str = "Running";
 
 /// What came of a rendering.
@@ -177,7 +182,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
-    let options = WriteOptions { metadata: metadata(&settings, &rendered), ..Default::default() };
+    let precision = if args.half { Precision::Half } else { Precision::Float };
+    let options = WriteOptions { precision, metadata: metadata(&settings, &rendered) };
     let write = |path: &PathBuf| output::write(path, &rendered.image, &display, &options);
     let (written, writing) =
         timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));

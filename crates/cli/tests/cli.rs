@@ -426,6 +426,20 @@ fn exposure_changes_what_is_shown_and_not_what_is_stored() {
     assert_ne!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
 }
 
+/// Sixteen bits a number keep three digits.
+#[test]
+fn half_numbers_take_half_the_room() {
+    let desk = Desk::new();
+    desk.json("room.toml --json -q -o float.exr");
+    desk.json("room.toml --json -q --half -o half.exr");
+    let bytes = |name| fs::metadata(desk.path(name)).unwrap().len();
+    assert!(4 * bytes("half.exr") < 3 * bytes("float.exr"), "less is stored");
+    let (float, half) = (desk.image("float.exr"), desk.image("half.exr"));
+    for (a, b) in float.channel("G").unwrap().iter().zip(half.channel("G").unwrap()) {
+        assert!((a - b).abs() <= a.abs() / 1024.0 + 1e-7, "{a} {b}");
+    }
+}
+
 /// A picture says how it was made, in the words of the command line: those words make it again.
 #[test]
 fn a_picture_says_how_to_make_it_again() {
