@@ -3,8 +3,8 @@
 use crate::failure::{Exit, Failure};
 use crate::load::{self, timed};
 use crate::options;
+use crate::say::{print_json, print_line};
 use crate::text::{bytes, count, time};
-use crate::{print_json, print_line};
 use rutilant_geom::{BuildOptions, Ray, Surfaces, Vec3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,8 @@
 
 use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading};
+use crate::say::{print_json, print_line, tell};
 use crate::text::several;
-use crate::{print_json, print_line, tell};
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
 use serde::Serialize;

@@ -5,7 +5,7 @@
 //! so the first ends it at once.
 
 use crate::failure::{Exit, Failure};
-use crate::tell;
+use crate::say::tell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};

@@ -16,10 +16,12 @@ mod options;
 mod output;
 mod progress;
 mod render;
+mod say;
 mod text;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
+use say::tell;
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -92,29 +94,6 @@ fn main() -> ExitCode {
             exit.into()
         }
     }
-}
-
-/// A result as one line of JSON on standard output.
-fn print_json(result: &impl serde::Serialize) -> Result<(), Failure> {
-    let line = serde_json::to_string(result).map_err(Failure::failed)?;
-    print_line(&line)
-}
-
-/// A result as lines on standard output. A reader that has seen enough is no failure.
-fn print_line(text: &str) -> Result<(), Failure> {
-    use std::io::{ErrorKind, Write, stdout};
-    match writeln!(stdout(), "{text}").and_then(|()| stdout().flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::failed(format!("standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// A line for people on standard error. Whether anybody listens changes nothing.
-fn tell(line: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What is said while a picture is being rendered: a bar for people, lines of JSON for programs.
 
 use crate::failure::Failure;
-use crate::tell;
+use crate::say::{print_json, tell};
 use crate::text::{count, scaled, time};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -93,7 +93,7 @@ impl Reporter {
             }
             View::Json { next } if elapsed >= *next || progress.finished => {
                 *next = elapsed + JSON_PERIOD;
-                crate::print_json(&update)?;
+                print_json(&update)?;
             }
             View::Json { .. } | View::None => {}
         }

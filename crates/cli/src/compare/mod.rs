@@ -7,8 +7,9 @@ mod metrics;
 mod testing;
 
 use crate::failure::{Exit, Failure};
+use crate::say::{print_json, print_line, tell};
 use crate::text::several;
-use crate::{options, output, print_json, print_line, tell};
+use crate::{options, output};
 use metrics::Errors;
 use rayon::prelude::*;
 use rutilant::display::{Curve, Display, linear_from_srgb};
