@@ -1,5 +1,6 @@
 //! Where a ray met a surface.
 
+use crate::bsdf::BsdfSample;
 use rutilant_geom::{Frame, Ray, Vec3, offset_origin};
 
 /// A surface point as the integrators see it.
@@ -14,8 +15,8 @@ pub struct SurfaceInteraction {
     /// Where scattering is described: z is the interpolated normal, on the front, bent where
     /// needed so that `wo` and its mirror image stay on their side of the true surface.
     pub shading: Frame,
-    /// The point moved onto the smooth surface that the vertex normals describe; scattered rays
-    /// on the side of `wo` start here.
+    /// The point moved onto the smooth surface that the vertex normals describe; diffusely
+    /// scattered rays on the side of `wo` start here.
     smooth_position: Vec3,
     /// The number of the material in the prepared scene.
     pub material: u32,
@@ -59,20 +60,23 @@ impl SurfaceInteraction {
         self.shading.to_local(self.wo)
     }
 
-    /// The origin of a ray that was scattered back to the side that `wo` is on.
+    /// The origin of a ray that was scattered diffusely to the side that `wo` is on.
     pub fn reflected_origin(&self) -> Vec3 {
         offset_origin(self.smooth_position, self.normal, self.wo)
     }
 
-    /// The ray that leaves along `wi`, a direction in the shading frame. `crossed` tells whether
-    /// it goes on beyond the surface.
-    pub fn scattered_ray(&self, wi: Vec3, crossed: bool) -> Ray {
+    /// The ray that leaves along a sampled direction. `crossed` tells whether it goes on beyond
+    /// the surface. Mirror images start on the true surface: lifted off it, the inside of glass
+    /// would be lost where normals lean much.
+    pub fn scattered_ray(&self, sample: &BsdfSample, crossed: bool) -> Ray {
         let origin = if crossed {
             offset_origin(self.position, self.normal, -self.wo)
+        } else if sample.delta {
+            offset_origin(self.position, self.normal, self.wo)
         } else {
             self.reflected_origin()
         };
-        Ray::new(origin, self.shading.to_world(wi).normalize())
+        Ray::new(origin, self.shading.to_world(sample.wi).normalize())
     }
 }
 

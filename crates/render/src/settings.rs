@@ -109,7 +109,7 @@ pub enum Roulette {
     /// The 2017 report's: at each diffuse bounce a path survives with probability
     /// max(R, G, B, 0.1) of the albedo.
     Albedo,
-    /// By what the path can still contribute.
+    /// By what the path can still contribute; after 128 segments also by chance alone.
     Throughput,
 }
 

@@ -111,6 +111,53 @@ fn clear_glass_vanishes_in_the_furnace() {
     }
 }
 
+/// Even where vertex normals point anywhere, no light is lost in glass or in a mirror: the path
+/// always knows what it is in.
+#[test]
+fn glass_with_wild_normals_vanishes_in_the_furnace() {
+    let mut mesh = Mesh::default();
+    let rings = 12_u32;
+    for i in 0..=rings {
+        for j in 0..2 * rings {
+            let (theta, phi) = (PI * f64::from(i) / 12.0, PI * f64::from(j) / 12.0);
+            let (s, c) = theta.sin_cos();
+            mesh.positions.push(Vec3::new(
+                (s * phi.cos()) as f32,
+                c as f32,
+                (s * phi.sin()) as f32,
+            ));
+            let (a, u) = common::random(77, u64::from(i * 64 + j));
+            mesh.normals.push(Vec3::new(a - 0.5, u.x - 0.5, u.y - 0.5));
+        }
+    }
+    // The poles are single points, so that the mesh is closed.
+    for j in 0..2 * rings {
+        mesh.positions[j as usize] = Vec3::Y;
+        mesh.positions[(rings * 2 * rings + j) as usize] = Vec3::NEG_Y;
+    }
+    for i in 0..rings {
+        for j in 0..2 * rings {
+            let at = |i: u32, j: u32| i * 2 * rings + j % (2 * rings);
+            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    for (name, material) in [
+        ("glass", Material::from(Dielectric::new(1.5))),
+        ("mirror", Material::from(Mirror { reflectance: Rgb::WHITE })),
+    ] {
+        let mut scene = seen_from(Vec3::new(0.4, 1.0, 4.0), Vec3::ZERO, 0.5);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        let material = scene.add_material(material);
+        let mesh = scene.add_mesh(mesh.clone());
+        scene.objects.push(Object::new(Shape::Mesh(mesh), material));
+        // Some paths take thousands of bounces to get out; roulette would only add noise.
+        let patient = Settings { roulette: Roulette::Off, max_depth: Some(1_000_000), ..small(64) };
+        let (mean, _) = mean(&render(&scene, patient), "G");
+        assert!((mean - 1.0).abs() < 1e-3, "{name}: {mean}");
+    }
+}
+
 /// Half mirror, half white: nothing is lost at any proportion. The old program multiplied its
 /// light samples by min(1 − s, 0), which is nothing.
 #[test]

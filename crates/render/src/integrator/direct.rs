@@ -65,7 +65,7 @@ impl Integrator for Direct {
         let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
         if let Some(sample) = sample.filter(|s| s.delta) {
             let crossed = sample.is_transmission(wo);
-            let ray = at.scattered_ray(sample.wi, crossed);
+            let ray = at.scattered_ray(&sample, crossed);
             *rays += 1;
             let (seen, distance) = match scene.closest(&ray) {
                 Some(hit) => (

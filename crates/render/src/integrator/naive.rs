@@ -65,7 +65,7 @@ impl Integrator for Naive {
             if let (true, Some(border)) = (crossed, &material.border) {
                 absorption = border.absorption(wo.z < 0.0);
             }
-            ray = at.scattered_ray(sample.wi, crossed);
+            ray = at.scattered_ray(&sample, crossed);
 
             let (from, survival) = SURVIVAL;
             if depth >= from {

@@ -101,7 +101,7 @@ impl Integrator for Path {
             };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
-            ray = at.scattered_ray(sample.wi, crossed);
+            ray = at.scattered_ray(&sample, crossed);
             previous =
                 Some(Previous { position: ray.origin, pdf: sample.pdf, delta: sample.delta });
             if let (true, Some(border)) = (crossed, &material.border) {
@@ -211,10 +211,11 @@ const ROULETTE_FROM: u32 = 4;
 
 /// Segments after which even paths that lose nothing may end: light trapped in glass by total
 /// reflection would go round for ever.
-const ENDLESS_FROM: u32 = 64;
+const ENDLESS_FROM: u32 = 128;
 
-/// How often such a path goes on.
-const ENDLESS_SURVIVAL: f32 = 0.95;
+/// How often such a path goes on. Less would end them sooner and make the survivors of light that
+/// only takes long to get out too precious: their variance would not be finite.
+const ENDLESS_SURVIVAL: f32 = 0.98;
 
 impl Heuristic {
     /// The share of a strategy of density `own` in what another of density `other` can find as well.
