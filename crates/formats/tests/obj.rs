@@ -281,15 +281,15 @@ fn limits_are_kept() {
     let all = Limits::default();
     assert_eq!(
         with(&Limits { vertices: 3, ..all }),
-        "a.obj:4:1: 4 vertices, but at most 3 are allowed"
+        "a.obj:4:1: 4 vertices, but at most 3 are allowed; allow more with --limit vertices=N"
     );
     assert_eq!(
         with(&Limits { vertices: 4, ..all }),
-        "a.obj: 7 vertices, but at most 4 are allowed"
+        "a.obj: 7 vertices, but at most 4 are allowed; allow more with --limit vertices=N"
     );
     assert_eq!(
         with(&Limits { triangles: 1, ..all }),
-        "a.obj:7:1: 2 triangles, but at most 1 are allowed"
+        "a.obj:7:1: 2 triangles, but at most 1 are allowed; allow more with --limit triangles=N"
     );
 }
 

@@ -310,10 +310,16 @@ fn lying_counts_take_no_memory() {
     }
     let tight = Limits { vertices: 2, ..Limits::default() };
     let error = ply::read_bytes(&ascii_triangle(), Path::new("a.ply"), &tight).expect_err("tight");
-    assert_eq!(error.to_string(), "a.ply:3:1: 3 vertices, but at most 2 are allowed");
+    assert_eq!(
+        error.to_string(),
+        "a.ply:3:1: 3 vertices, but at most 2 are allowed; allow more with --limit vertices=N"
+    );
     let tight = Limits { triangles: 0, ..Limits::default() };
     let error = ply::read_bytes(&ascii_triangle(), Path::new("a.ply"), &tight).expect_err("tight");
-    assert_eq!(error.to_string(), "a.ply:7:1: 1 triangles, but at most 0 are allowed");
+    assert_eq!(
+        error.to_string(),
+        "a.ply:7:1: 1 triangles, but at most 0 are allowed; allow more with --limit triangles=N"
+    );
 }
 
 /// A mesh that uses all of the format, for damaging.

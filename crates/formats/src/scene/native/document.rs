@@ -3,7 +3,7 @@
 use crate::error::{SceneError, SceneErrorKind, Source};
 use std::path::Path;
 use toml::Spanned;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// A scene's text and the file it stands in.
 pub(super) struct Document<'d> {
@@ -27,6 +27,43 @@ impl<'d> Document<'d> {
             let message = error.message().trim_end_matches(", expected nothing");
             self.invalid(at, format!("{message}{}", self.syntax_hint(at)))
         })
+    }
+
+    /// Refuses tables and arrays that lie more than `allowed` levels deep in each other.
+    pub(super) fn must_be_shallow(
+        &self,
+        tree: &DeTable<'_>,
+        allowed: u64,
+    ) -> Result<(), SceneError> {
+        tree.values().try_for_each(|value| self.within(value, 1, allowed))
+    }
+
+    /// The same for a value that lies on `level`.
+    fn within(
+        &self,
+        value: &Spanned<DeValue<'_>>,
+        level: u64,
+        allowed: u64,
+    ) -> Result<(), SceneError> {
+        let is_scalar = match value.get_ref() {
+            DeValue::Table(_) | DeValue::Array(_) => false,
+            DeValue::String(_)
+            | DeValue::Integer(_)
+            | DeValue::Float(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_) => true,
+        };
+        if is_scalar {
+            return Ok(());
+        }
+        if level > allowed {
+            let kind = SceneErrorKind::Limit { what: "levels of nesting", asked: level, allowed };
+            return Err(self.error(value.span().start, kind));
+        }
+        let mut deeper = |value| self.within(value, level + 1, allowed);
+        let table = value.get_ref().as_table().into_iter().flat_map(|table| table.values());
+        let array = value.get_ref().as_array().into_iter().flat_map(|array| array.iter());
+        table.chain(array).try_for_each(&mut deeper)
     }
 
     /// What often lies behind a mistake in the syntax at byte `at`.
