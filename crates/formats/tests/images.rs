@@ -401,7 +401,7 @@ fn errors_say_what_is_wrong() {
         ),
         ("a.png", b"\x89PNG\r\n\x1a\n", "a.png: the file ends in its header"),
         ("a.jpg", b"\xff\xd8\xff\xe0", "a.jpg: the file ends before its picture does"),
-        ("a.exr", b"hello", "a.exr: file identifier missing"),
+        ("a.exr", b"hello", "a.exr: this is not an EXR file"),
     ];
     for (name, bytes, expected) in cases {
         assert_eq!(refusal(name, bytes), expected);

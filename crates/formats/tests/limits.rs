@@ -59,7 +59,7 @@ fn limits_hold_to_the_last_one() {
         (
             "bytes",
             SCENE.len() as u64,
-            format!("scene.toml: 336 bytes, but at most 335 are allowed{allow} bytes=N"),
+            format!("scene.toml: 317 bytes, but at most 316 are allowed{allow} bytes=N"),
         ),
         (
             "vertices",
@@ -89,7 +89,7 @@ fn limits_hold_to_the_last_one() {
             "nesting",
             2,
             format!(
-                "scene.toml:3:12: 2 levels of nesting, but at most 1 are allowed{allow} nesting=N"
+                "scene.toml:4:11: 2 levels of nesting, but at most 1 are allowed{allow} nesting=N"
             ),
         ),
     ] {

@@ -280,7 +280,11 @@ fn sort_attributes(file: &mut [u8]) {
 fn plain(error: &::exr::error::Error) -> String {
     match error {
         ::exr::error::Error::Invalid(what) | ::exr::error::Error::NotSupported(what) => {
-            what.to_string()
+            match &**what {
+                "file identifier missing" => "this is not an EXR file".to_owned(),
+                "reference to missing bytes" => "the file ends early".to_owned(),
+                what => what.to_owned(),
+            }
         }
         other => other.to_string(),
     }

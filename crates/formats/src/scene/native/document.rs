@@ -25,6 +25,10 @@ impl<'d> Document<'d> {
         DeTable::parse(self.text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
             let message = error.message().trim_end_matches(", expected nothing");
+            // The parser's words for this are about itself.
+            if message.starts_with("cannot recurse further") {
+                return self.invalid(at, "tables and arrays lie too deep in each other here");
+            }
             self.invalid(at, format!("{message}{}", self.syntax_hint(at)))
         })
     }
@@ -70,7 +74,15 @@ impl<'d> Document<'d> {
     fn syntax_hint(&self, at: usize) -> &'static str {
         let (_, start) = self.line(at);
         let line = self.text[start..].lines().next().unwrap_or("");
-        if line.contains('\\') { "; in paths write / instead of \\" } else { "" }
+        if self.text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '<']) {
+            "; scenes are written in TOML: see docs/scene-format.md"
+        } else if line.contains(|c: char| c.is_control() && c != '\t') {
+            "; the line holds bytes that are no text"
+        } else if line.contains('\\') {
+            "; in paths write / instead of \\"
+        } else {
+            ""
+        }
     }
 
     /// The file breaks the format at byte `at`.
