@@ -34,7 +34,7 @@ struct Verdict<'a> {
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     for path in &args.scenes {
-        let (error, notes) = match examine(path, args.reading) {
+        let (error, notes) = match examine(path, &args.reading) {
             Ok((contents, notes)) => {
                 if !args.json {
                     print_line(&format!("{}: ok: {contents}", path.display()))?;
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
 /// Reads and prepares a scene as for rendering. Gives what it holds, and notes that say by
 /// themselves which file they are about.
-fn examine(path: &Path, reading: Reading) -> Result<(String, Vec<String>), Failure> {
+fn examine(path: &Path, reading: &Reading) -> Result<(String, Vec<String>), Failure> {
     let loaded = load::read(Some(path), reading)?;
     let prepared = load::prepare(&loaded)?;
     let mended = prepared.report().notes.iter().map(|note| format!("{}: {note}", path.display()));

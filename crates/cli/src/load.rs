@@ -1,9 +1,10 @@
 //! Scenes from the command line, timed.
 
 use crate::failure::Failure;
+use crate::options;
 use clap::Args;
 use rutilant::Prepared;
-use rutilant_formats::{LoadedScene, ReadOptions, parse_native, read_scene};
+use rutilant_formats::{Limits, LoadedScene, ReadOptions, parse_native, read_scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,16 +17,45 @@ const BUILT_IN_IMAGES: &[(&str, &[u8])] =
     &[("skies/overcast_sea.hdr", include_bytes!("../../../scenes/skies/overcast_sea.hdr"))];
 
 /// How scenes are read.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Reading {
     /// Let the scene name files outside its own folder
-    #[arg(long, help_heading = "Reading")]
+    #[arg(long, help_heading = READING)]
     pub allow_path: bool,
+    #[command(flatten)]
+    pub limited: Limited,
+}
+
+/// How much files may ask for.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct Limited {
+    /// The most that is read: bytes (of a file), pixels (of an image), vertices, triangles,
+    /// objects or nesting, like pixels=500M; may be repeated
+    #[arg(long = "limit", value_name = "NAME=N", help_heading = READING, value_parser = options::limit)]
+    changes: Vec<(&'static str, u64)>,
+}
+
+const READING: &str = "Reading";
+
+impl Limited {
+    pub(crate) fn limits(&self) -> Limits {
+        let mut limits = Limits::default();
+        for &(name, most) in &self.changes {
+            if let Some(limit) = limits.by_name(name) {
+                *limit = most;
+            }
+        }
+        limits
+    }
 }
 
 /// Reads a scene, or the built-in one.
-pub(crate) fn read(scene: Option<&Path>, reading: Reading) -> Result<LoadedScene, Failure> {
-    let options = ReadOptions { allow_outside: reading.allow_path, ..ReadOptions::default() };
+pub(crate) fn read(scene: Option<&Path>, reading: &Reading) -> Result<LoadedScene, Failure> {
+    let options = ReadOptions {
+        limits: reading.limited.limits(),
+        allow_outside: reading.allow_path,
+        ..ReadOptions::default()
+    };
     let loaded = match scene {
         Some(path) => read_scene(path, &options)?,
         None => {

@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use rutilant::display::Curve;
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
+use rutilant_formats::Limits;
 use std::time::Duration;
 
 /// `800x600`.
@@ -72,6 +73,29 @@ pub(crate) fn count<N: std::str::FromStr + Default + PartialEq>(text: &str) -> R
 /// A number that stands for a picture.
 pub(crate) fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| "write a whole number, 0 or more".to_owned())
+}
+
+/// `pixels=500M`: the name of a limit, and a number in which k, M and G stand for thousands,
+/// millions and milliards.
+pub(crate) fn limit(text: &str) -> Result<(&'static str, u64), String> {
+    let names = Limits::NAMES;
+    let (name, most) = text.split_once('=').ok_or("write it as NAME=N, like pixels=500M")?;
+    let Some(name) = names.into_iter().find(|known| *known == name.trim()) else {
+        return Err(format!("there are {}", names.join(", ")));
+    };
+    let most = most.trim();
+    let digits = most.trim_end_matches(['k', 'M', 'G']);
+    let factor = match &most[digits.len()..] {
+        "" => Some(1),
+        "k" => Some(1_000),
+        "M" => Some(1_000_000),
+        "G" => Some(1_000_000_000),
+        _ => None,
+    };
+    let number = digits.parse::<u64>().ok().zip(factor).and_then(|(n, f)| n.checked_mul(f));
+    let number = number.filter(|_| digits.starts_with(|c: char| c.is_ascii_digit()));
+    let number = number.ok_or("write a whole number, like 2000000, 500k, 2M or 8G")?;
+    Ok((name, number))
 }
 
 /// How many threads.
@@ -176,6 +200,30 @@ pub(crate) fn name(choice: &impl ValueEnum) -> String {
     choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
+/// Bits of a number in a file.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Bits {
+    /// 8 in .png, 16 in .exr: the smallest files
+    #[value(name = "8")]
+    Eight,
+    /// 16 in .png, 16 in .exr
+    #[value(name = "16")]
+    Sixteen,
+    /// 16 in .png, 32 in .exr: nothing is lost
+    #[value(name = "32")]
+    ThirtyTwo,
+}
+
+/// Which channels are kept in .exr files.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum Channels {
+    #[default]
+    /// R, G, B, the variance of each pixel's mean, and how many samples it has
+    All,
+    /// R, G, B: half the size
+    Color,
+}
+
 /// What becomes of values above white.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum DisplayCurve {
@@ -212,6 +260,33 @@ mod tests {
         assert_eq!(crop("1, 2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
         for wrong in ["", "1,2,3", "1,2,3,4,5", "-1,2,3,4", "a,b,c,d"] {
             assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn limits_are_names_and_counts() {
+        assert_eq!(limit("pixels=500M"), Ok(("pixels", 500_000_000)));
+        assert_eq!(limit("bytes = 8G"), Ok(("bytes", 8_000_000_000)));
+        assert_eq!(limit("nesting=0"), Ok(("nesting", 0)));
+        for name in Limits::NAMES {
+            assert_eq!(limit(&format!("{name}=7k")), Ok((name, 7000)));
+            assert!(Limits::default().by_name(name).is_some(), "{name}");
+        }
+        for wrong in [
+            "",
+            "pixels",
+            "=5",
+            "pixles=5",
+            "pixels=",
+            "pixels=k",
+            "pixels=-1",
+            "pixels=+1",
+            "pixels=1.5M",
+            "pixels=5Mk",
+            "pixels=5T",
+            "pixels=99999999999G",
+        ] {
+            assert!(limit(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -3,8 +3,8 @@
 use crate::failure::{Exit, Failure};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Reading, timed};
-use crate::options::{self, DisplayCurve, Integrator, Sampler};
-use crate::output;
+use crate::options::{self, Bits, Channels, DisplayCurve, Integrator, Sampler};
+use crate::output::{self, Detail};
 use crate::progress::{Goal, Reporter, Spinner, Style};
 use crate::say::{print_json, print_line, tell};
 use crate::text::{scaled, several, time};
@@ -12,7 +12,7 @@ use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant::settings::{Crop, Settings};
 use rutilant::{Prepared, Progress, Session};
-use rutilant_formats::image::{Precision, WriteOptions, check_writable};
+use rutilant_formats::image::check_writable;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,9 +71,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME", help_heading = DISPLAY, value_enum)]
     curve: Option<DisplayCurve>,
 
-    /// Store the numbers of .exr files in 16 bits: half the size, about three digits
-    #[arg(long, help_heading = FILES)]
-    half: bool,
+    /// Bits of a number; each format takes the nearest it has
+    /// [default: 32 in .exr, 8 in .png]
+    #[arg(long, value_name = "BITS", help_heading = FILES, value_enum)]
+    bits: Option<Bits>,
+    /// Which channels .exr files hold
+    #[arg(long, value_name = "NAME", help_heading = FILES, value_enum, default_value_t = Channels::All)]
+    channels: Channels,
 
     #[command(flatten)]
     reading: Reading,
@@ -151,7 +155,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Read, and let the command line have the last word.
     let spinner = Spinner::start(style, "reading");
-    let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), args.reading));
+    let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading));
     let loaded = loaded?;
     let settings = settings(args, &loaded.settings);
     settings.validate()?;
@@ -183,9 +187,10 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
-    let precision = if args.half { Precision::Half } else { Precision::Float };
-    let options = WriteOptions { precision, metadata: metadata(&settings, &rendered) };
-    let write = |path: &PathBuf| output::write(path, &rendered.image, &display, &options);
+    let detail = Detail { bits: args.bits, channels: args.channels };
+    let metadata = metadata(&settings, &rendered);
+    let write =
+        |path: &PathBuf| output::write(path, &rendered.image, &display, detail, metadata.clone());
     let (written, writing) =
         timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));
     let mut failures = written.into_iter().filter_map(Result::err).map(Failure::failed);

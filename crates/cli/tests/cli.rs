@@ -176,6 +176,11 @@ fn bad_usage_is_refused_with_a_hint() {
         ("room.toml check", "a command comes first"),
         ("room.toml --seed -1", "whole number, 0 or more"),
         ("room.toml --seed 1.5", "whole number, 0 or more"),
+        ("room.toml --bits 12", "8, 16, 32"),
+        ("room.toml --limit", "NAME=N"),
+        ("room.toml --limit pixels", "pixels=500M"),
+        ("room.toml --limit pixles=4", "bytes, vertices, triangles, pixels, objects, nesting"),
+        ("room.toml --limit pixels=many", "2000000, 500k, 2M or 8G"),
         ("check", "SCENE"),
         ("compare a.png", "REFERENCE"),
         ("bench", "rays"),
@@ -259,6 +264,31 @@ fn a_bad_scene_names_its_place_and_leaves_files_alone() {
     }
     assert_eq!(fs::read_to_string(desk.path("bad.png")).unwrap(), "an older picture");
     assert_eq!(desk.files(), ["bad.png", "bad.toml", "room.toml"]);
+}
+
+/// Every command that reads can be told how much; what is said about too much leads out of it.
+#[test]
+fn limits_are_set_on_the_command_line() {
+    let desk = Desk::new();
+    for (command, limit) in [
+        ("room.toml --spp 1", "objects=2"),
+        ("check room.toml", "bytes=99"),
+        ("info room.toml", "nesting=1"),
+    ] {
+        let ran = desk.run(&format!("{command} --limit {limit}"));
+        assert_eq!(ran.status, 2, "{command}: {ran:?}");
+        let (name, _) = limit.split_once('=').unwrap();
+        let hint = format!("allow more with --limit {name}=N\n");
+        assert!(ran.error.ends_with(&hint), "{command}: {}", ran.error);
+        let ran = desk.run(&format!("{command} --limit {limit} --limit {name}=2k"));
+        assert_eq!(ran.status, 0, "{command}: {ran:?}");
+    }
+    write_picture(&desk.path("a.pfm"), [20, 20], |_, _| [0.5; 3]);
+    let ran = desk.run("compare a.pfm a.pfm --limit pixels=399");
+    let said = "error: a.pfm: 20x20 are 400 pixels, but at most 399 are allowed; \
+                allow more with --limit pixels=N\n";
+    assert_eq!((ran.status, ran.error.as_str()), (2, said));
+    assert_eq!(desk.run("compare a.pfm a.pfm --limit pixels=400").status, 0);
 }
 
 /// `rutilant … | head` closes the pipe while there is more to say: no reason to panic.
@@ -430,14 +460,61 @@ fn exposure_changes_what_is_shown_and_not_what_is_stored() {
 #[test]
 fn half_numbers_take_half_the_room() {
     let desk = Desk::new();
-    desk.json("room.toml --json -q -o float.exr");
-    desk.json("room.toml --json -q --half -o half.exr");
+    desk.json("room.toml --json -q --channels color -o float.exr");
+    desk.json("room.toml --json -q --channels color --bits 16 -o half.exr");
     let bytes = |name| fs::metadata(desk.path(name)).unwrap().len();
     assert!(4 * bytes("half.exr") < 3 * bytes("float.exr"), "less is stored");
     let (float, half) = (desk.image("float.exr"), desk.image("half.exr"));
     for (a, b) in float.channel("G").unwrap().iter().zip(half.channel("G").unwrap()) {
         assert!((a - b).abs() <= a.abs() / 1024.0 + 1e-7, "{a} {b}");
     }
+}
+
+/// One number says how finely files are stored, and each format takes the nearest it has.
+#[test]
+fn bits_are_those_of_the_format() {
+    let desk = Desk::new();
+    // What the header of a PNG says, and the type of R in an EXR: 1 is half, 2 is float.
+    let png = |name: &str| fs::read(desk.path(name)).unwrap()[24];
+    let exr = |name: &str| {
+        let bytes = fs::read(desk.path(name)).unwrap();
+        let channel = b"\0R\0";
+        let at = bytes.windows(3).position(|w| w == channel).unwrap();
+        bytes[at + 3]
+    };
+    for (bits, expected) in
+        [("", (8, 2)), ("--bits 8", (8, 1)), ("--bits 16", (16, 1)), ("--bits 32", (16, 2))]
+    {
+        let outputs = "-o a.png -o a.exr -o a.jpg -o a.hdr";
+        desk.json(&format!("room.toml --spp 1 --json {outputs} {bits}"));
+        assert_eq!((png("a.png"), exr("a.exr")), expected, "{bits}");
+    }
+    // Sixteen bits show the same picture, more finely.
+    desk.json("room.toml --spp 1 --json -o fine.png --bits 16");
+    desk.json("room.toml --spp 1 --json -o plain.png");
+    let [fine, plain] = ["fine.png", "plain.png"].map(|name| desk.image(name).rgb().unwrap());
+    let code = |c: f32| rutilant::display::srgb_from_linear(c) * 255.0;
+    for (a, b) in fine.iter().flatten().zip(plain.iter().flatten()) {
+        assert!((code(*a) - code(*b)).abs() <= 0.501, "{a} {b}");
+    }
+    assert!(fine.iter().flatten().any(|c| (code(*c) - code(*c).round()).abs() > 0.1));
+}
+
+/// EXR files tell how sure each pixel is: the variance of its mean, and its number of samples.
+#[test]
+fn exr_files_tell_variance_and_samples() {
+    let desk = Desk::new();
+    let names = |name: &str| -> Vec<String> {
+        desk.image(name).channels().iter().map(|c| c.name.clone()).collect()
+    };
+    desk.json("room.toml --json -o all.exr");
+    desk.json("room.toml --json -o color.exr --channels color");
+    let all = ["R", "G", "B", "samples.Y", "variance.R", "variance.G", "variance.B"];
+    assert_eq!(names("all.exr"), all);
+    assert_eq!(names("color.exr"), all[..3]);
+    let image = desk.image("all.exr");
+    assert!(image.channel("samples.Y").unwrap().iter().all(|&n| n == 4.0), "4 spp");
+    assert_eq!(image.rgb(), desk.image("color.exr").rgb());
 }
 
 /// A picture says how it was made, in the words of the command line: those words make it again.

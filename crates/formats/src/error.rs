@@ -1,5 +1,6 @@
 //! Why a file was refused, and where.
 
+use crate::limits::Limits;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -116,7 +117,8 @@ impl fmt::Display for SceneErrorKind {
                 write!(f, "no {what} \"{name}\"; did you mean \"{closest}\"?")
             }
             Self::Limit { what, asked, allowed } => {
-                write!(f, "{asked} {what}, but at most {allowed} are allowed")
+                let hint = Limits::hint(what);
+                write!(f, "{asked} {what}, but at most {allowed} are allowed{hint}")
             }
             Self::Io(error) => write!(f, "{error}"),
         }

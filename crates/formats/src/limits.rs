@@ -16,6 +16,38 @@ pub struct Limits {
     pub pixels: u64,
     /// Objects in a scene: each time a shape, or a part of a mesh file, is placed.
     pub objects: u64,
+    /// Levels of tables and arrays in each other in a scene's text.
+    pub nesting: u64,
+}
+
+impl Limits {
+    /// The name of each limit, as errors and the command line say it.
+    pub const NAMES: [&'static str; 6] =
+        ["bytes", "vertices", "triangles", "pixels", "objects", "nesting"];
+
+    /// The limit of a name; `None` for a name that is not in [`NAMES`](Self::NAMES).
+    pub fn by_name(&mut self, name: &str) -> Option<&mut u64> {
+        Some(match name {
+            "bytes" => &mut self.file_bytes,
+            "vertices" => &mut self.vertices,
+            "triangles" => &mut self.triangles,
+            "pixels" => &mut self.pixels,
+            "objects" => &mut self.objects,
+            "nesting" => &mut self.nesting,
+            _ => return None,
+        })
+    }
+
+    /// How to raise the limit on `what`, for the end of a message: nothing where its last word
+    /// is not the name of a limit.
+    pub(crate) fn hint(what: &str) -> String {
+        let name = what.rsplit(' ').next().unwrap_or_default();
+        if Self::NAMES.contains(&name) {
+            format!("; allow more with --limit {name}=N")
+        } else {
+            String::new()
+        }
+    }
 }
 
 impl Default for Limits {
@@ -26,6 +58,7 @@ impl Default for Limits {
             triangles: 400_000_000,
             pixels: 1 << 28,
             objects: 10_000_000,
+            nesting: 64,
         }
     }
 }

@@ -267,6 +267,51 @@ fn png_codes_are_exact() {
     assert!(red.is_sorted());
 }
 
+/// All 65536 codes, in all channels: a byte order exchanged, or a step over 8 bits, loses some.
+#[test]
+fn png_16_bit_codes_are_exact() {
+    let codes: Vec<u16> = (0..256 * 256 * 3_u32).map(|i| (i / 3) as u16).collect();
+    let pixels = Pixels::Display16 { width: 256, height: 256, rgb16: &codes };
+    let (bytes, back) = round_trip("a.png", pixels, &WriteOptions::default());
+    assert_eq!(bytes[24..26], [16, 2], "16 bits, red, green and blue");
+    let light = |code: usize| rutilant::display::linear_from_srgb(code as f64 / 65535.0) as f32;
+    for name in ["R", "G", "B"] {
+        for (code, value) in back.channel(name).expect(name).iter().enumerate() {
+            assert_eq!(value.to_bits(), light(code).to_bits(), "{name} {code}");
+        }
+    }
+}
+
+/// Halves count to 2048 and end at 65504, and the variance of a clean pixel is less than the
+/// smallest of them: both are kept in 32 bits, whatever the colours are stored in.
+#[test]
+fn exr_keeps_counts_and_variances_in_full() {
+    let names = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"];
+    let value = |c: usize, i: usize| match c {
+        0..3 => 0.5,
+        3..6 => 1e-9 * (i + 1) as f32,
+        _ => (1 << 24) as f32 - i as f32,
+    };
+    let original = image(5, 3, &names, value);
+    let options = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
+    for options in [options, WriteOptions::default()] {
+        let (bytes, back) = round_trip("a.exr", Pixels::Light(&original), &options);
+        for name in &names[..] {
+            assert_eq!(back.channel(name), original.channel(name), "{name}");
+        }
+        // A channel's entry is its name, 0, and its type: 0 for uint, 1 for half, 2 for float.
+        let kind = |name: &[u8]| {
+            let at = bytes.windows(name.len()).position(|w| w == name).expect("a channel");
+            bytes[at + name.len()]
+        };
+        assert_eq!((kind(b"samples.Y\0"), kind(b"variance.R\0")), (0, 2));
+    }
+    // What is no count is no less safe.
+    let strange = image(4, 1, &["samples.Y"], |_, i| [0.5, -1.0, f32::NAN, f32::INFINITY][i]);
+    let (_, back) = round_trip("a.exr", Pixels::Light(&strange), &WriteOptions::default());
+    assert_eq!(bits(&back), bits(&strange));
+}
+
 /// Greys, palettes, alpha and 16 bits. Alpha is not encoded, so it is not decoded.
 #[test]
 fn png_kinds_are_understood() {
@@ -352,11 +397,11 @@ fn errors_say_what_is_wrong() {
         (
             "a.pfm",
             b"PF 60000 60000 -1\n",
-            "a.pfm: 60000x60000 are 3600000000 pixels, but at most 268435456 are allowed",
+            "a.pfm: 60000x60000 are 3600000000 pixels, but at most 268435456 are allowed; allow more with --limit pixels=N",
         ),
         ("a.png", b"\x89PNG\r\n\x1a\n", "a.png: the file ends in its header"),
         ("a.jpg", b"\xff\xd8\xff\xe0", "a.jpg: the file ends before its picture does"),
-        ("a.exr", b"hello", "a.exr: file identifier missing"),
+        ("a.exr", b"hello", "a.exr: this is not an EXR file"),
     ];
     for (name, bytes, expected) in cases {
         assert_eq!(refusal(name, bytes), expected);
@@ -404,17 +449,23 @@ fn lying_headers_take_no_memory() {
     let refused = refusal_within("a.exr", &exr, &all);
     assert!(refused.contains("1000001x1000001 pixels are declared"), "{refused}");
 
-    for header in ["#?RADIANCE\n\n-Y 4000000000 +X 4000000000\n", "PF 4000000000 4000000000 -1\n"] {
+    for (header, expected) in [
+        (
+            "#?RADIANCE\n\n-Y 4000000000 +X 4000000000\n",
+            "4000000000x4000000000 pixels are declared, but only 8 bytes follow",
+        ),
+        ("PF 4000000000 4000000000 -1\n", "the file ends after 0 of 4000000000 rows"),
+    ] {
         let mut bytes = header.as_bytes().to_vec();
         bytes.extend([2, 2, 127, 255, 1, 2, 3, 4]);
-        assert!(refusal_within("a.hdr", &bytes, &all).contains("ends after 0 of"));
+        assert_eq!(refusal_within("a.hdr", &bytes, &all), format!("a.hdr: {expected}"));
     }
 
     let tight = Limits { pixels: 3, ..Limits::default() };
     let (whole, _) = round_trip("a.png", small, &WriteOptions::default());
     assert_eq!(
         refusal_within("a.png", &whole, &tight),
-        "a.png: 2x2 are 4 pixels, but at most 3 are allowed"
+        "a.png: 2x2 are 4 pixels, but at most 3 are allowed; allow more with --limit pixels=N"
     );
 }
 
@@ -506,6 +557,9 @@ fn a_failed_write_changes_nothing() {
     let codes = [50; 12];
     let display = Pixels::Display { width: 2, height: 2, rgb8: &codes };
     let short = Pixels::Display { width: 2, height: 3, rgb8: &codes };
+    let words = [50; 12];
+    let display_16 = Pixels::Display16 { width: 2, height: 2, rgb16: &words };
+    let short_16 = Pixels::Display16 { width: 3, height: 2, rgb16: &words };
     for name in ["old.png", "old.exr", "old.hdr", "old.txt"] {
         fs::write(at(name), "old").expect("written");
     }
@@ -530,6 +584,13 @@ fn a_failed_write_changes_nothing() {
             ".exr holds light, but these pixels are encoded for a display: write .png, or give the light itself",
         ),
         ("old.png", short, &options, "12 bytes are not 3 for each of 2x3 pixels"),
+        ("old.png", short_16, &options, "12 words are not 3 for each of 3x2 pixels"),
+        (
+            "old.jpg",
+            display_16,
+            &options,
+            ".jpg holds 8 bits a colour, but these pixels have 16: write .png",
+        ),
         (
             "old.hdr",
             Pixels::Light(&no_color),

@@ -1,7 +1,7 @@
 //! From scene-linear light to what a screen shows.
 //!
 //! Exposure first, then a curve that fits bright light into what a screen can
-//! show, then the sRGB transfer function, rounded to eight bits. Files that
+//! show, then the sRGB transfer function, rounded to 8 or 16 bits. Files that
 //! hold light (EXR, HDR, PFM) never pass through here.
 //!
 //! Source: IEC 61966-2-1 (sRGB); Narkowicz, "ACES Filmic Tone Mapping Curve", 2016.
@@ -30,12 +30,19 @@ pub enum Curve {
 impl Display {
     /// The sRGB bytes for a scene-linear colour. What is no number shows as black.
     pub fn encode(&self, rgb: [f32; 3]) -> [u8; 3] {
+        // `as` saturates, and turns NaN into 0.
+        self.shown(rgb).map(|c| (255.0 * c + 0.5) as u8)
+    }
+
+    /// The same in 16 bits, 0 to 65535: for pictures that are to be edited further.
+    pub fn encode_16(&self, rgb: [f32; 3]) -> [u16; 3] {
+        self.shown(rgb).map(|c| (65535.0 * c + 0.5) as u16)
+    }
+
+    /// Encoded as sRGB, 0 to 1.
+    fn shown(&self, rgb: [f32; 3]) -> [f32; 3] {
         let gain = real::exp2(self.exposure);
-        rgb.map(|c| {
-            let shown = self.curve.apply(c * gain);
-            // `as` saturates, and turns NaN into 0.
-            (255.0 * srgb_from_linear(shown) + 0.5) as u8
-        })
+        rgb.map(|c| srgb_from_linear(self.curve.apply(c * gain)))
     }
 }
 
@@ -94,6 +101,7 @@ mod tests {
             let display = Display { curve, ..PLAIN };
             assert_eq!(display.encode([f32::NAN, f32::NEG_INFINITY, -1.0]), [0; 3]);
             assert_eq!(display.encode([f32::INFINITY; 3]), [255; 3]);
+            assert_eq!(display.encode_16([f32::NAN, -1.0, f32::INFINITY]), [0, 0, 65535]);
         }
     }
 
@@ -114,12 +122,16 @@ mod tests {
         }
     }
 
-    /// All 256 bytes survive decoding and encoding.
+    /// All 256 bytes, and all 65536 words, survive decoding and encoding.
     #[test]
-    fn bytes_survive_the_round_trip() {
+    fn codes_survive_the_round_trip() {
         for byte in 0..=255_u8 {
             let linear = linear_from_srgb(f64::from(byte) / 255.0) as f32;
             assert_eq!(PLAIN.encode([linear; 3]), [byte; 3]);
+        }
+        for word in 0..=u16::MAX {
+            let linear = linear_from_srgb(f64::from(word) / 65535.0) as f32;
+            assert_eq!(PLAIN.encode_16([linear; 3]), [word; 3]);
         }
     }
 

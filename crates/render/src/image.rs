@@ -3,8 +3,9 @@
 /// A picture: some channels of equal size, each scene-linear unless its maker says otherwise.
 ///
 /// Row 0 is on top. The usual channels are named as OpenEXR names them:
-/// `R`, `G`, `B` for radiance or colour, `A` for coverage, and
-/// `variance.R` and so on for the variance of each pixel's mean.
+/// `R`, `G`, `B` for radiance or colour, `A` for coverage,
+/// `variance.R` and so on for the variance of each pixel's mean, and
+/// `samples.Y` for the number of samples in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     width: u32,
@@ -70,6 +71,12 @@ impl Image {
             None => [self.channel("R")?, self.channel("G")?, self.channel("B")?],
         };
         Some((0..r.len()).map(|i| [r[i], g[i], b[i]]).collect())
+    }
+
+    /// The image with no channels but those that `keep` accepts by their names.
+    pub fn only(&self, keep: impl Fn(&str) -> bool) -> Self {
+        let kept = self.channels.iter().filter(|channel| keep(&channel.name));
+        Self { channels: kept.cloned().collect(), ..*self }
     }
 
     /// A fingerprint of size, channel names and the bits of every value: equal

@@ -104,8 +104,8 @@ impl Session {
         }
     }
 
-    /// The picture so far: channels `R`, `G`, `B`, and the variance of each pixel's mean as
-    /// `variance.R`, `variance.G`, `variance.B`.
+    /// The picture so far: channels `R`, `G`, `B`, the variance of each pixel's mean as
+    /// `variance.R`, `variance.G`, `variance.B`, and the number of samples in it as `samples.Y`.
     pub fn snapshot(&self) -> Image {
         self.shared.film.image()
     }

@@ -7,15 +7,16 @@ mod metrics;
 mod testing;
 
 use crate::failure::{Exit, Failure};
+use crate::load::Limited;
+use crate::options;
+use crate::output::{self, Detail};
 use crate::say::{print_json, print_line, tell};
 use crate::text::several;
-use crate::{options, output};
 use metrics::Errors;
 use rayon::prelude::*;
 use rutilant::display::{Curve, Display, linear_from_srgb};
 use rutilant::image::Image;
-use rutilant_formats::Limits;
-use rutilant_formats::image::{self, WriteOptions};
+use rutilant_formats::image;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +45,8 @@ pub(crate) struct Args {
     /// What becomes of values above white there
     #[arg(long, value_name = "NAME", value_enum, default_value_t = options::DisplayCurve::Clip)]
     curve: options::DisplayCurve,
+    #[command(flatten)]
+    limited: Limited,
     /// Print one line of JSON
     #[arg(long)]
     json: bool,
@@ -86,7 +89,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(diff) = &args.diff {
         image::check_writable(diff)?;
     }
-    let read = |path: &Path| image::read(path, &Limits::default());
+    let limits = args.limited.limits();
+    let read = |path: &Path| image::read(path, &limits);
     let (image, reference) = (read(&args.image)?, read(&args.reference)?);
     let size = [image.width(), image.height()];
     if size != [reference.width(), reference.height()] {
@@ -143,7 +147,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         let diff = Image::from_rgb(size[0], size[1], &colors)
             .ok_or_else(|| Failure::failed("the picture of the difference has no pixels"))?;
         // The colours are made for the display as they are.
-        output::write(path, &diff, &Display::default(), &WriteOptions::default())
+        output::write(path, &diff, &Display::default(), Detail::default(), Vec::new())
             .map_err(Failure::failed)?;
         tell(&format!("wrote {}", path.display()));
     }

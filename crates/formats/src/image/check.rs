@@ -22,7 +22,8 @@ pub(super) fn size(
     if pixels > limits.pixels {
         let allowed = limits.pixels;
         return Err(format!(
-            "{width}x{height} are {pixels} pixels, but at most {allowed} are allowed"
+            "{width}x{height} are {pixels} pixels, but at most {allowed} are allowed{}",
+            Limits::hint("pixels")
         ));
     }
     // What small files gain by tables and headers is not worth counting.

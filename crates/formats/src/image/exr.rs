@@ -50,7 +50,8 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     let layer = image.layer_data;
     let position = layer.attributes.layer_position;
     let data = IntegerBounds::new(position, layer.size);
-    let frame = Frame::new(data, image.attributes.display_window, limits)?;
+    let channel_count = layer.channel_data.list.len();
+    let frame = Frame::new(data, image.attributes.display_window, channel_count, limits)?;
     let mut channels: Vec<Channel> = Vec::new();
     for channel in layer.channel_data.list {
         let name = channel.name.to_string();
@@ -94,14 +95,21 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(data: IntegerBounds, display: IntegerBounds, limits: &Limits) -> Result<Self, String> {
+    fn new(
+        data: IntegerBounds,
+        display: IntegerBounds,
+        channels: usize,
+        limits: &Limits,
+    ) -> Result<Self, String> {
         let (width, height) = (display.size.width(), display.size.height());
         check::size(width as u64, height as u64, limits, 0, 0, 0)?;
-        // A frame of black around the pixels is worth its memory, a universe of it is not.
+        // A frame of black around the pixels is worth its memory, a universe of it is not. The
+        // colours of a small window of a large picture are free.
         const MOST_BLACK: usize = 64;
-        const FREE: usize = 1 << 20;
-        let most = data.size.area().saturating_mul(MOST_BLACK).saturating_add(FREE);
-        if width.saturating_mul(height) > most {
+        const FREE: usize = 1 << 25;
+        let values = |pixels: usize| pixels.saturating_mul(channels);
+        let most = values(data.size.area()).saturating_mul(MOST_BLACK).saturating_add(FREE);
+        if values(width.saturating_mul(height)) > most {
             return Err(format!(
                 "the display window of {width}x{height} is far larger than the {}x{} pixels in it",
                 data.size.width(),
@@ -184,11 +192,7 @@ pub(super) fn write(image: &Image, options: &WriteOptions) -> Result<Vec<u8>, St
                 channel.name
             ));
         }
-        let samples = match options.precision {
-            Precision::Float => FlatSamples::F32(channel.values.clone()),
-            Precision::Half => FlatSamples::F16(channel.values.iter().map(|&v| half(v)).collect()),
-        };
-        list.push(AnyChannel::new(text(&channel.name)?, samples));
+        list.push(AnyChannel::new(text(&channel.name)?, samples(channel, options.precision)));
     }
     let mut attributes = LayerAttributes {
         software_name: Some(text(&format!("Rutilant {}", env!("CARGO_PKG_VERSION")))?),
@@ -219,6 +223,23 @@ pub(super) fn write(image: &Image, options: &WriteOptions) -> Result<Vec<u8>, St
     let mut bytes = bytes.into_inner();
     sort_attributes(&mut bytes);
     Ok(bytes)
+}
+
+/// A channel's values in the type that loses least of them for their room.
+fn samples(channel: &Channel, precision: Precision) -> FlatSamples {
+    let layer = channel.name.rsplit_once('.').map_or("", |(layer, _)| layer);
+    // Halves would count to 2048 only. Whatever is no count stays as it is.
+    let is_count = |v: &f32| *v >= 0.0 && *v < u32::MAX as f32 && v.fract() == 0.0;
+    if layer == "samples" && channel.values.iter().all(is_count) {
+        return FlatSamples::U32(channel.values.iter().map(|&v| v as u32).collect());
+    }
+    match precision {
+        // The variance of a clean pixel is less than the smallest half.
+        Precision::Half if layer != "variance" => {
+            FlatSamples::F16(channel.values.iter().map(|&v| half(v)).collect())
+        }
+        Precision::Half | Precision::Float => FlatSamples::F32(channel.values.clone()),
+    }
 }
 
 /// Names of more bytes need a flag that old readers refuse.
@@ -259,7 +280,11 @@ fn sort_attributes(file: &mut [u8]) {
 fn plain(error: &::exr::error::Error) -> String {
     match error {
         ::exr::error::Error::Invalid(what) | ::exr::error::Error::NotSupported(what) => {
-            what.to_string()
+            match &**what {
+                "file identifier missing" => "this is not an EXR file".to_owned(),
+                "reference to missing bytes" => "the file ends early".to_owned(),
+                what => what.to_owned(),
+            }
         }
         other => other.to_string(),
     }

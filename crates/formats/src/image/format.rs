@@ -41,8 +41,8 @@ impl Format {
         })
     }
 
-    /// Whether files of this format hold colours encoded for a display, 8 bits each, rather than
-    /// light: what [`write()`](super::write()) wants as [`Pixels::Display`](super::Pixels::Display).
+    /// Whether files of this format hold colours encoded for a display rather than light: what
+    /// [`write()`](super::write()) wants as [`Pixels::Display`](super::Pixels::Display).
     pub fn is_for_display(self) -> bool {
         match self {
             Self::Exr | Self::Hdr | Self::Pfm => false,

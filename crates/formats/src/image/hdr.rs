@@ -15,6 +15,9 @@ use rutilant::image::{Channel, Image};
 
 type Rgbe = [u8; 4];
 
+/// Runs of runs make the most of a byte: a scanline of 32767 equal pixels takes twelve.
+const EXPANSION: u64 = 16384;
+
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     // Lines of text up to an empty one, then the resolution.
     let mut lines = Lines { rest: bytes };
@@ -38,7 +41,7 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     let layout = Layout::parse(line)
         .ok_or_else(|| format!("{} is not a resolution like \"-Y 512 +X 1024\"", quoted(line)))?;
     let (width, height) = layout.size();
-    check::size(width.into(), height.into(), limits, 0, 0, 0)?;
+    check::size(width.into(), height.into(), limits, 4, lines.rest.len(), EXPANSION)?;
 
     // Scanlines, each of which may be coded in its own way. Memory grows with what is decoded.
     let mut rest = lines.rest;

@@ -2,10 +2,10 @@
 //!
 //! | extension       | read                          | written                             |
 //! |-----------------|-------------------------------|-------------------------------------|
-//! | `.exr`          | half, float, uint; any channels | float or half, any channels, text |
+//! | `.exr`          | half, float, uint; any channels | float or half, counts as uint, any channels, text |
 //! | `.hdr`          | RGBE, plain or run-length coded | RGBE, run-length coded            |
 //! | `.pfm`          | grey or RGB, either byte order | float                              |
-//! | `.png`          | 1 to 16 bits, grey to RGBA    | 8-bit RGB                           |
+//! | `.png`          | 1 to 16 bits, grey to RGBA    | RGB of 8 or 16 bits                 |
 //! | `.jpg`, `.jpeg` | grey, YCbCr, CMYK             | quality 92                          |
 //!
 //! The first three hold light; what is read from the last two is decoded from
@@ -93,22 +93,36 @@ pub fn write<'a>(
         return Err(error(format!("an image of {width}x{height} has no pixels to write")));
     }
     let extension = file::extension(path);
+    let must_fit = |count: usize, what: &str| match count as u128
+        == 3 * u128::from(width) * u128::from(height)
+    {
+        true => Ok(()),
+        false => Err(format!("{count} {what} are not 3 for each of {width}x{height} pixels")),
+    };
     let bytes = guarded(|| match (format, pixels) {
         (Format::Exr, Pixels::Light(image)) => exr::write(image, options),
         (Format::Hdr, Pixels::Light(image)) => hdr::write(image, options),
         (Format::Pfm, Pixels::Light(image)) => pfm::write(image),
-        (Format::Png | Format::Jpeg, Pixels::Display { rgb8, .. })
-            if rgb8.len() as u128 != 3 * u128::from(width) * u128::from(height) =>
-        {
-            Err(format!("{} bytes are not 3 for each of {width}x{height} pixels", rgb8.len()))
+        (Format::Png, Pixels::Display { rgb8, .. }) => {
+            must_fit(rgb8.len(), "bytes").and_then(|()| png::write(width, height, rgb8))
         }
-        (Format::Png, Pixels::Display { rgb8, .. }) => png::write(width, height, rgb8),
-        (Format::Jpeg, Pixels::Display { rgb8, .. }) => jpeg::write(width, height, rgb8),
+        (Format::Png, Pixels::Display16 { rgb16, .. }) => {
+            must_fit(rgb16.len(), "words").and_then(|()| png::write_16(width, height, rgb16))
+        }
+        (Format::Jpeg, Pixels::Display { rgb8, .. }) => {
+            must_fit(rgb8.len(), "bytes").and_then(|()| jpeg::write(width, height, rgb8))
+        }
+        (Format::Jpeg, Pixels::Display16 { .. }) => {
+            Err(format!(".{extension} holds 8 bits a colour, but these pixels have 16: write .png"))
+        }
         (Format::Png | Format::Jpeg, Pixels::Light(_)) => Err(format!(
             ".{extension} holds colours for a display, but these pixels are light: encode them \
              first, or write .exr"
         )),
-        (Format::Exr | Format::Hdr | Format::Pfm, Pixels::Display { .. }) => Err(format!(
+        (
+            Format::Exr | Format::Hdr | Format::Pfm,
+            Pixels::Display { .. } | Pixels::Display16 { .. },
+        ) => Err(format!(
             ".{extension} holds light, but these pixels are encoded for a display: write .png, \
              or give the light itself"
         )),

@@ -16,13 +16,24 @@ pub enum Pixels<'a> {
         /// (height, width, 3): red, green and blue, row 0 on top, encoded as sRGB.
         rgb8: &'a [u8],
     },
+    /// The same in 16 bits: for `.png`.
+    Display16 {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// (height, width, 3): red, green and blue, row 0 on top, encoded as sRGB.
+        rgb16: &'a [u16],
+    },
 }
 
 impl Pixels<'_> {
     pub(super) fn size(&self) -> (u32, u32) {
         match *self {
             Self::Light(image) => (image.width(), image.height()),
-            Self::Display { width, height, .. } => (width, height),
+            Self::Display { width, height, .. } | Self::Display16 { width, height, .. } => {
+                (width, height)
+            }
         }
     }
 }
@@ -49,6 +60,7 @@ pub enum Precision {
     /// 32 bits: every value as it is.
     #[default]
     Float,
-    /// 16 bits: about three digits. Finite values beyond ±65504 become that.
+    /// 16 bits: about three digits. Finite values beyond ±65504 become that. Channels of the
+    /// layer `variance` keep 32: most of them would become 0.
     Half,
 }

@@ -1,7 +1,8 @@
 //! PNG: colours for displays, without loss.
 //!
 //! Everything is taken as sRGB, as nearly all files are; `gAMA`, `cHRM` and
-//! colour profiles are not looked at.
+//! colour profiles are not looked at. Nor are texts: compressed ones can be
+//! bombs.
 //!
 //! Source: *Portable Network Graphics Specification*, 3rd ed., W3C, 2025.
 
@@ -16,7 +17,7 @@ use std::io::Cursor;
 /// Deflate makes at most 1032 bytes of one; a bit per pixel becomes a byte.
 const EXPANSION: u64 = 8 * 1032;
 
-/// What the decoder may take for text, profiles and rows beside the pixels.
+/// What the decoder may take for rows beside the pixels.
 const WORKSPACE: u64 = 64 << 20;
 
 pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
@@ -32,8 +33,9 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
 
     let mut allowed = ::image::Limits::no_limits();
     allowed.max_alloc = Some(WORKSPACE.saturating_add(width * height * 8));
+    let plain = without_extras(bytes);
     let decoder =
-        PngDecoder::with_limits(Cursor::new(bytes), allowed).map_err(|e| e.to_string())?;
+        PngDecoder::with_limits(Cursor::new(plain), allowed).map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
     let color = decoder.color_type();
     check::size(width.into(), height.into(), limits, 1, bytes.len(), EXPANSION)?;
@@ -56,10 +58,48 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     srgb::image(width, height, channels, samples).ok_or_else(|| "no such channels".to_owned())
 }
 
+/// The file without chunks that its pixels do not need. Some of them are compressed, and a few
+/// bytes of those can fill a machine: what nobody asks for is not unpacked.
+fn without_extras(bytes: &[u8]) -> Vec<u8> {
+    let (signature, mut rest) = bytes.split_at(bytes.len().min(8));
+    let mut kept = Vec::with_capacity(bytes.len());
+    kept.extend(signature);
+    loop {
+        // A length, a name of four letters, so many bytes, a checksum.
+        let Some((length, after)) = rest.split_first_chunk::<4>() else { break };
+        let length = u32::from_be_bytes(*length) as usize;
+        let Some((name, _)) = after.split_first_chunk::<4>() else { break };
+        let Some((chunk, after)) = rest.split_at_checked(length.saturating_add(12)) else { break };
+        // A capital letter first means that a picture cannot be made without it.
+        if name[0].is_ascii_uppercase() || name == b"tRNS" {
+            kept.extend(chunk);
+        }
+        rest = after;
+    }
+    // What is cut off is for the decoder to complain about.
+    kept.extend(rest);
+    kept
+}
+
 pub(super) fn write(width: u32, height: u32, rgb8: &[u8]) -> Result<Vec<u8>, String> {
+    encode(width, height, rgb8, ExtendedColorType::Rgb8)
+}
+
+pub(super) fn write_16(width: u32, height: u32, rgb16: &[u16]) -> Result<Vec<u8>, String> {
+    // The encoder wants the machine's byte order, and writes the file's.
+    let bytes: Vec<u8> = rgb16.iter().flat_map(|word| word.to_ne_bytes()).collect();
+    encode(width, height, &bytes, ExtendedColorType::Rgb16)
+}
+
+fn encode(
+    width: u32,
+    height: u32,
+    samples: &[u8],
+    color: ExtendedColorType,
+) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(rgb8, width, height, ExtendedColorType::Rgb8)
+        .write_image(samples, width, height, color)
         .map_err(|e| e.to_string())?;
     Ok(bytes)
 }

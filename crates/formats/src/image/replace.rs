@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = target(path)?;
     let mut new = temporary(&target)?;
-    new.write_all(bytes)?;
+    // Not through the name's own `Write`, whose errors speak of the temporary name.
+    new.as_file_mut().write_all(bytes)?;
     new.as_file().sync_all()?;
     if let Ok(old) = fs::metadata(&target) {
         new.as_file().set_permissions(old.permissions())?;
@@ -26,7 +27,10 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 pub(super) fn target(path: &Path) -> io::Result<PathBuf> {
     let target = match path.canonicalize() {
         Ok(there) => there,
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(path.to_owned()),
+        // What hinders it beyond that, the folder will show.
+        Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
+            return Ok(path.to_owned());
+        }
         Err(e) => return Err(e),
     };
     let metadata = fs::metadata(&target)?;
@@ -43,7 +47,11 @@ pub(super) fn target(path: &Path) -> io::Result<PathBuf> {
 pub(super) fn temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = file::folder(target);
     if !folder.is_dir() {
-        let what = format!("there is no folder {}", folder.display());
+        let what = if folder.exists() {
+            format!("{} is a file, not a folder", folder.display())
+        } else {
+            format!("there is no folder {}", folder.display())
+        };
         return Err(io::Error::new(io::ErrorKind::NotFound, what));
     }
     let mut builder = tempfile::Builder::new();
@@ -54,5 +62,10 @@ pub(super) fn temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder)
+    builder.tempfile_in(folder).map_err(|error| {
+        // The temporary name that follows says nothing to anybody.
+        let text = error.to_string();
+        let cause = text.split_once(" at path ").map_or(&*text, |(cause, _)| cause);
+        io::Error::new(error.kind(), cause)
+    })
 }

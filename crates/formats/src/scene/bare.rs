@@ -18,12 +18,15 @@ use std::path::Path;
 
 /// Reads a mesh file of any kind.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
-    let file = mesh_file::read(path, &options.limits, &Fence::asked(path, options))?;
+    let file = mesh_file::read(path, &options.limits, &Fence::asked(path, options), |kind| {
+        SceneError::in_file(path, kind)
+    })?;
     let (mut scene, settings, mut notes) = (empty(), Settings::default(), file.notes);
     let note = |what: &str| format!("{}: {what}", path.display());
 
     // The file's materials, and grey for what has none.
     let materials = mesh_file::adopt(&mut scene, file.materials);
+    let no_faces = file.meshes.is_empty();
     let bare = |name: &Option<String>| name.as_ref().is_none_or(|n| !materials.contains_key(n));
     if let Some(without) = mesh_file::without_material(&file.meshes, &materials) {
         notes.push(note(&format!("{without}: matte grey stands in")));
@@ -41,8 +44,8 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     scene.environment = Some(Environment::constant(Rgb::WHITE));
     scene.camera = frame_all(&scene, settings.size)
         .ok_or_else(|| {
-            let what = "there is nothing to see: no vertex is a finite point";
-            SceneError::invalid_file(path, what)
+            let why = if no_faces { "there are no faces" } else { "no vertex is a finite point" };
+            SceneError::invalid_file(path, format!("there is nothing to see: {why}"))
         })?
         .into();
     notes.push(note(

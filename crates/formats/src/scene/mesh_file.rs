@@ -19,16 +19,25 @@ type MeshReader = fn(&Path, &Limits, &Fence) -> Result<ObjScene, SceneError>;
 /// Every kind of mesh file, by its extension.
 const MESHES: &[(&str, MeshReader)] = &[("obj", obj::read_within), ("ply", read_ply)];
 
-/// Reads a mesh file of any kind. What it names in turn must lie inside the `fence`.
-pub(super) fn read(path: &Path, limits: &Limits, fence: &Fence) -> Result<ObjScene, SceneError> {
+/// What reads the mesh file at `path`; or what is wrong with its name.
+fn reader(path: &Path) -> Result<MeshReader, SceneErrorKind> {
     let extension = file::extension(path);
-    match MESHES.iter().find(|(name, _)| *name == extension) {
-        Some((_, read)) => read(path, limits, fence),
-        None => {
-            let what = file::unknown_format("mesh", path, MESHES.iter().map(|(name, _)| *name));
-            Err(SceneError::in_file(path, SceneErrorKind::Unsupported(what)))
-        }
-    }
+    let reader = MESHES.iter().find(|(name, _)| *name == extension);
+    reader.map(|(_, reader)| *reader).ok_or_else(|| {
+        let what = file::unknown_format("mesh", path, MESHES.iter().map(|(name, _)| *name));
+        SceneErrorKind::Unsupported(what)
+    })
+}
+
+/// Reads a mesh file of any kind. What it names in turn must lie inside the `fence`. An unknown
+/// kind is the mistake of whoever named it: `misnamed` knows where that stands.
+pub(super) fn read(
+    path: &Path,
+    limits: &Limits,
+    fence: &Fence,
+    misnamed: impl FnOnce(SceneErrorKind) -> SceneError,
+) -> Result<ObjScene, SceneError> {
+    reader(path).map_err(misnamed)?(path, limits, fence)
 }
 
 /// A PLY file is an OBJ file with one mesh and no materials.

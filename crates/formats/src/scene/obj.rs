@@ -19,7 +19,7 @@ use super::text::{Cursor, place, word_at};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
-use crate::shown::quoted;
+use crate::shown::{quoted, shown};
 use rutilant::material::Material;
 use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3};
@@ -270,7 +270,11 @@ impl Parser<'_, '_> {
         for (i, number) in numbers.iter_mut().enumerate() {
             if self.cursor.line_is_done() {
                 if i < least {
-                    let what = format!("{keyword} needs {least} numbers, but there are only {i}");
+                    let what = match (least, i) {
+                        (1, _) => format!("{keyword} needs a number"),
+                        (_, 0) => format!("{keyword} needs {least} numbers"),
+                        _ => format!("{keyword} needs {least} numbers, but there are only {i}"),
+                    };
                     return Err(self.invalid(self.cursor.at, what));
                 }
                 return Ok(numbers);
@@ -404,12 +408,17 @@ impl Parser<'_, '_> {
         if index != 0 && (0..count as i64).contains(&from_zero) {
             return Ok(from_zero as u32);
         }
-        let what = if index == 0 {
-            format!("face names {what} 0, but they are numbered from 1 (or from -1 backwards)")
-        } else {
-            format!("face names {what} {index}, but only {count} are declared so far")
+        let is_zero = index == 0;
+        // As it is written: it may be larger than any number.
+        let index = String::from_utf8_lossy(&self.bytes[start..self.cursor.at]);
+        let index = shown(&index);
+        let why = match count {
+            _ if is_zero => "they are numbered from 1 (or from -1 backwards)".to_owned(),
+            0 => "none is declared so far".to_owned(),
+            1 => "only 1 is declared so far".to_owned(),
+            _ => format!("only {count} are declared so far"),
         };
-        Err(self.invalid(start, what))
+        Err(self.invalid(start, format!("face names {what} {index}, but {why}")))
     }
 
     #[cold]

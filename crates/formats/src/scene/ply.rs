@@ -7,7 +7,8 @@
 //! allocated for a count, so many bytes must be there.
 //!
 //! Point clouds come out as a mesh without triangles. Per-face texture
-//! coordinates, colours and other properties are left out, with a note.
+//! coordinates and other properties are left out, with a note; colours, which
+//! most scans have, without one.
 //!
 //! Source: Turk, *The PLY Polygon File Format*, 1994. The names of texture
 //! coordinates are those that Blender, MeshLab, pbrt and LuxCore write.
@@ -861,7 +862,11 @@ impl Reader<'_> {
 
     /// One note for all properties of an element that nobody reads.
     fn note_unread(&mut self, element: &Element, read: impl Fn(usize) -> bool) {
-        let mut unread = element.properties.iter().enumerate().filter(|(i, _)| !read(*i));
+        let mut unread = element
+            .properties
+            .iter()
+            .enumerate()
+            .filter(|(i, property)| !read(*i) && !is_color(&property.name));
         let names: Vec<_> = unread.by_ref().take(8).map(|(_, p)| shown(&p.name)).collect();
         if !names.is_empty() {
             let dots = if unread.next().is_some() { ", …" } else { "" };
@@ -912,6 +917,14 @@ impl Reader<'_> {
         };
         self.error_in_body(what, body)
     }
+}
+
+/// Whether a property is part of a colour, by the names that scanners and modelling programs
+/// give them: a colour is the material's business.
+fn is_color(name: &str) -> bool {
+    let part =
+        ["diffuse_", "ambient_", "specular_"].iter().find_map(|kind| name.strip_prefix(kind));
+    matches!(part.unwrap_or(name), "red" | "green" | "blue" | "alpha" | "r" | "g" | "b" | "a")
 }
 
 /// An element's name for one of them.

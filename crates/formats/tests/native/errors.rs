@@ -18,7 +18,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[render]\nspp = 1\n[render]", "10:2: duplicate key"),
     ("[render]\nspp = 00", "9:7: unexpected leading zero"),
     ("[render]\nsize = [1, 2", "9:13: unclosed array, expected `]`"),
-    ("\0", "8:2: key with no value, expected `=`"),
+    ("\0", "8:2: key with no value, expected `=`; the line holds bytes that are no text"),
     // Keys.
     ("[render]\nssp = 4", r#"9:1: no key "ssp"; did you mean "spp"?"#),
     (
@@ -117,6 +117,15 @@ const MISTAKES: &[(&str, &str)] = &[
     (
         "[[material]]\nname = \"m\"\ntype = \"mix\"\nfirst = \"n\"\nsecond = \"o\"",
         r#"11:9: no material "n"; there are grey, m"#,
+    ),
+    // What other programs call it.
+    (
+        "[[material]]\nname = \"a\"\ntype = \"glass\"",
+        r#"10:8: no material type "glass"; did you mean "dielectric"?"#,
+    ),
+    (
+        "[[shape]]\ntype = \"sun\"",
+        r#"9:8: no shape type "sun"; there are mesh, sphere, rectangle, disk, box"#,
     ),
     // Ranges.
     ("[render]\nspp = 0", "9:7: spp is 0, but must be 1 or more"),

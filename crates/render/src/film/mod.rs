@@ -167,11 +167,12 @@ impl Film {
         *locked(&self.dropped)
     }
 
-    /// The picture so far: `R`, `G`, `B`, and the variances of these means as `variance.R` and so on.
+    /// The picture so far: `R`, `G`, `B`, the variances of these means as `variance.R` and so on,
+    /// and how many samples each pixel has as `samples.Y`.
     pub(crate) fn image(&self) -> Image {
         let Crop { width, height, .. } = self.window;
         let pixels = width as usize * height as usize;
-        let mut values = [const { Vec::new() }; 6].map(|_: Vec<f32>| vec![0.0; pixels]);
+        let mut values = [const { Vec::new() }; 7].map(|_: Vec<f32>| vec![0.0; pixels]);
         for i in 0..self.tile_count() {
             let tile = self.tile(i);
             let area = tile.area;
@@ -181,12 +182,14 @@ impl Film {
                 let y = y + (area.y - self.window.y) as usize;
                 let at = y * width as usize + x;
                 let both = pixel.mean().into_iter().chain(pixel.variance_of_mean());
-                for (channel, value) in values.iter_mut().zip(both) {
+                // Exact up to 2²⁴ samples, and to seven digits beyond.
+                let all = both.chain([pixel.count as f32]);
+                for (channel, value) in values.iter_mut().zip(all) {
                     channel[at] = value;
                 }
             }
         }
-        let names = ["R", "G", "B", "variance.R", "variance.G", "variance.B"];
+        let names = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"];
         let channels = names.into_iter().zip(values);
         let channels =
             channels.map(|(name, values)| Channel { name: name.to_owned(), values }).collect();
@@ -247,6 +250,9 @@ mod tests {
         assert_eq!(film.dropped(), Dropped { count: 2, first });
         let image = film.image();
         assert_eq!(image.channel("G").unwrap()[2 * 20 + 2], 1.0);
+        // Only samples that count are counted.
+        let samples = image.channel("samples.Y").unwrap();
+        assert_eq!((samples[2 * 20 + 2], samples[2 * 20 + 4]), (1.0, 0.0));
     }
 
     /// Tiles cover every pixel of any window exactly once.

@@ -3,7 +3,7 @@
 use crate::error::{SceneError, SceneErrorKind, Source};
 use std::path::Path;
 use toml::Spanned;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// A scene's text and the file it stands in.
 pub(super) struct Document<'d> {
@@ -25,15 +25,64 @@ impl<'d> Document<'d> {
         DeTable::parse(self.text).map_err(|error| {
             let at = error.span().map_or(0, |span| span.start);
             let message = error.message().trim_end_matches(", expected nothing");
+            // The parser's words for this are about itself.
+            if message.starts_with("cannot recurse further") {
+                return self.invalid(at, "tables and arrays lie too deep in each other here");
+            }
             self.invalid(at, format!("{message}{}", self.syntax_hint(at)))
         })
+    }
+
+    /// Refuses tables and arrays that lie more than `allowed` levels deep in each other.
+    pub(super) fn must_be_shallow(
+        &self,
+        tree: &DeTable<'_>,
+        allowed: u64,
+    ) -> Result<(), SceneError> {
+        tree.values().try_for_each(|value| self.within(value, 1, allowed))
+    }
+
+    /// The same for a value that lies on `level`.
+    fn within(
+        &self,
+        value: &Spanned<DeValue<'_>>,
+        level: u64,
+        allowed: u64,
+    ) -> Result<(), SceneError> {
+        let is_scalar = match value.get_ref() {
+            DeValue::Table(_) | DeValue::Array(_) => false,
+            DeValue::String(_)
+            | DeValue::Integer(_)
+            | DeValue::Float(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_) => true,
+        };
+        if is_scalar {
+            return Ok(());
+        }
+        if level > allowed {
+            let kind = SceneErrorKind::Limit { what: "levels of nesting", asked: level, allowed };
+            return Err(self.error(value.span().start, kind));
+        }
+        let mut deeper = |value| self.within(value, level + 1, allowed);
+        let table = value.get_ref().as_table().into_iter().flat_map(|table| table.values());
+        let array = value.get_ref().as_array().into_iter().flat_map(|array| array.iter());
+        table.chain(array).try_for_each(&mut deeper)
     }
 
     /// What often lies behind a mistake in the syntax at byte `at`.
     fn syntax_hint(&self, at: usize) -> &'static str {
         let (_, start) = self.line(at);
         let line = self.text[start..].lines().next().unwrap_or("");
-        if line.contains('\\') { "; in paths write / instead of \\" } else { "" }
+        if self.text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '<']) {
+            "; scenes are written in TOML: see docs/scene-format.md"
+        } else if line.contains(|c: char| c.is_control() && c != '\t') {
+            "; the line holds bytes that are no text"
+        } else if line.contains('\\') {
+            "; in paths write / instead of \\"
+        } else {
+            ""
+        }
     }
 
     /// The file breaks the format at byte `at`.

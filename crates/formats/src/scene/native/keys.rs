@@ -117,6 +117,34 @@ pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("*", &["file"]),
 ];
 
+/// What other programs call the names of this format.
+pub(super) const SYNONYMS: &[(&str, &str)] = &[
+    ("diffuse", "matte"),
+    ("lambert", "matte"),
+    ("lambertian", "matte"),
+    ("glass", "dielectric"),
+    ("water", "dielectric"),
+    ("metal", "conductor"),
+    ("blend", "mix"),
+    ("light", "emissive"),
+    ("area", "emissive"),
+    ("emitter", "emissive"),
+    ("specular", "mirror"),
+    ("cube", "box"),
+    ("quad", "rectangle"),
+    ("plane", "rectangle"),
+    ("obj", "mesh"),
+    ("ply", "mesh"),
+    ("trianglemesh", "mesh"),
+    ("circle", "disk"),
+    ("sun", "directional"),
+    ("distant", "directional"),
+    ("triangle", "tent"),
+    ("random", "independent"),
+    ("pathtracer", "path"),
+    ("none", "off"),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -73,6 +73,7 @@ fn parse_here(
 ) -> Result<LoadedScene, SceneError> {
     let document = Document::new(text, file);
     let tree = document.parse()?;
+    document.must_be_shallow(tree.get_ref(), options.limits.nesting)?;
     let root = Table::root(&document, tree.get_ref());
     check_version(&root)?;
     root.only(&[keys::ROOT])?;

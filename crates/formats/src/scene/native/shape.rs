@@ -171,7 +171,8 @@ fn from_file<'d>(
     if let Some(known) = draft.mesh_files.get(&key) {
         return Ok(Rc::clone(known));
     }
-    let file = mesh_file::read(&found.path, &draft.left, &draft.files.fence)?;
+    let file =
+        mesh_file::read(&found.path, &draft.left, &draft.files.fence, |kind| value.error(kind))?;
     let read = Rc::new(take_in(file, crease, value, table, draft)?);
     draft.mesh_files.insert(key, Rc::clone(&read));
     Ok(read)

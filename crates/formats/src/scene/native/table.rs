@@ -201,9 +201,13 @@ impl<'d> Value<'d> {
         self.error(match nearest(name, names.clone()) {
             Some(closest) => unknown_name(what, name, closest),
             None => {
-                let known = list(names.into_iter().take(MOST_LISTED));
-                let known = if known.is_empty() { "none".to_owned() } else { known };
-                SceneErrorKind::Invalid(format!("no {what} \"{}\"; there are {known}", shown(name)))
+                let known: Vec<_> = names.into_iter().take(MOST_LISTED).collect();
+                let there_are = match known.len() {
+                    0 => "there is none".to_owned(),
+                    1 => format!("there is only {}", list(known)),
+                    _ => format!("there are {}", list(known)),
+                };
+                SceneErrorKind::Invalid(format!("no {what} \"{}\"; {there_are}", shown(name)))
             }
         })
     }
@@ -236,7 +240,15 @@ impl<'d> Value<'d> {
 
     /// Several whole numbers.
     pub(super) fn wholes<const N: usize>(&self, expected: &str) -> Result<[u32; N], SceneError> {
-        self.several(expected, |entry| entry.as_whole().ok_or_else(|| entry.must_be(expected)))
+        self.several(expected, |entry| {
+            entry.as_whole().ok_or_else(|| match entry.value.as_integer() {
+                Some(number) if !number.as_str().starts_with('-') => {
+                    let (key, number) = (entry.key, shown(number.as_str()));
+                    entry.invalid(format!("{key} holds {number}, which is too large"))
+                }
+                _ => entry.must_be(expected),
+            })
+        })
     }
 
     /// Several finite numbers.
@@ -286,7 +298,14 @@ impl<'d> Value<'d> {
         let text = self.text()?;
         match names.iter().find(|(name, _)| *name == text) {
             Some((_, meaning)) => Ok(*meaning),
-            None => Err(self.unknown(what, text, names.iter().map(|(name, _)| *name))),
+            None => {
+                let called = keys::SYNONYMS.iter().find(|(other, _)| *other == text);
+                let called = called.filter(|(_, name)| names.iter().any(|(n, _)| n == name));
+                Err(match called {
+                    Some((_, name)) => self.error(unknown_name(what, text, name)),
+                    None => self.unknown(what, text, names.iter().map(|(name, _)| *name)),
+                })
+            }
         }
     }
 
