@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 /// Reads and prepares a scene as for rendering. Gives what it holds, and notes that say by
 /// themselves which file they are about.
 fn examine(path: &Path, reading: &Reading) -> Result<(String, Vec<String>), Failure> {
-    let loaded = load::read(Some(path), reading)?;
+    let loaded = load::read(Some(path), reading, None)?;
     let prepared = load::prepare(&loaded)?;
     let mended = prepared.report().notes.iter().map(|note| format!("{}: {note}", path.display()));
     let contents = contents(&loaded.scene);

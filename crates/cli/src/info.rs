@@ -65,7 +65,7 @@ struct Tree {
 
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     load::use_threads(args.threads)?;
-    let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading));
+    let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading, None));
     let loaded = loaded?;
     let (prepared, preparing) = timed(|| load::prepare(&loaded));
     let prepared = prepared?;

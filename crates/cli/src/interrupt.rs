@@ -6,14 +6,15 @@
 
 use crate::failure::{Exit, Failure};
 use crate::say::tell;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Requests so far, and what they would disturb.
+/// The first request, and what the next one would disturb.
 #[derive(Debug, Default)]
 pub(crate) struct Interrupt {
-    requests: AtomicU32,
+    /// When the first request came.
+    first: OnceLock<Instant>,
     /// There is an image worth writing.
     rendering: AtomicBool,
     /// A file is being written.
@@ -32,7 +33,7 @@ impl Interrupt {
 
     /// True once someone has asked to stop.
     pub(crate) fn requested(&self) -> bool {
-        self.requests.load(Ordering::SeqCst) > 0
+        self.first.get().is_some()
     }
 
     /// From now on there is an image worth writing.
@@ -52,11 +53,14 @@ impl Interrupt {
     fn request(&self) {
         /// A file that takes longer than this is given up: stopping comes first.
         const PATIENCE: Duration = Duration::from_secs(2);
-        let first = self.requests.fetch_add(1, Ordering::SeqCst) == 0;
-        if first && self.rendering.load(Ordering::SeqCst) {
+        /// A request so soon after the first is the same one: some programs signal a process
+        /// and then the group that it belongs to, `timeout` among them.
+        const ECHO: Duration = Duration::from_millis(200);
+        let asked = Instant::now();
+        let first = *self.first.get_or_init(|| asked);
+        if self.rendering.load(Ordering::SeqCst) && asked.duration_since(first) < ECHO {
             return;
         }
-        let asked = Instant::now();
         while self.writing.load(Ordering::SeqCst) && asked.elapsed() < PATIENCE {
             std::thread::sleep(Duration::from_millis(5));
         }

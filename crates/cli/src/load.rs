@@ -50,10 +50,17 @@ impl Limited {
 }
 
 /// Reads a scene, or the built-in one.
-pub(crate) fn read(scene: Option<&Path>, reading: &Reading) -> Result<LoadedScene, Failure> {
+///
+/// `size` is that of the picture if the command line says it: a camera that is chosen fits it.
+pub(crate) fn read(
+    scene: Option<&Path>,
+    reading: &Reading,
+    size: Option<[u32; 2]>,
+) -> Result<LoadedScene, Failure> {
     let options = ReadOptions {
         limits: reading.limited.limits(),
         allow_outside: reading.allow_path,
+        size,
         ..ReadOptions::default()
     };
     let loaded = match scene {

@@ -155,7 +155,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Read, and let the command line have the last word.
     let spinner = Spinner::start(style, "reading");
-    let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading));
+    let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading, args.size));
     let loaded = loaded?;
     let settings = settings(args, &loaded.settings);
     settings.validate()?;
@@ -258,7 +258,8 @@ fn outputs(args: &Args) -> Result<Vec<PathBuf>, Failure> {
             (Ok(scene), Ok(output)) => scene == output,
             _ => false,
         };
-        if args.scene.as_deref().is_some_and(same) {
+        // A picture that is given as a scene is told so when it is read.
+        if !args.outputs.is_empty() && args.scene.as_deref().is_some_and(same) {
             return Err(Failure::usage(format!("{} is the scene itself", output.display())));
         }
         check_writable(output)?;
@@ -368,8 +369,8 @@ fn is_over(limit: Duration, reporter: &Reporter, progress: &Progress, pixels: u6
     const TOLERANCE: f64 = 0.25;
     let (limit, elapsed) = (limit.as_secs_f64(), reporter.elapsed().as_secs_f64());
     let seconds_per_path = elapsed / progress.paths.max(1) as f64;
-    let done_in_this_pass = progress.paths.saturating_sub(progress.samples * pixels);
-    let left_of_this_pass = pixels.saturating_sub(done_in_this_pass) as f64 * seconds_per_path;
+    let left_of_this_pass =
+        (progress.pass * pixels).saturating_sub(progress.paths) as f64 * seconds_per_path;
     let another_pass = pixels as f64 * seconds_per_path;
     elapsed >= limit || elapsed + left_of_this_pass + another_pass > limit + TOLERANCE
 }

@@ -590,6 +590,68 @@ fn a_time_limit_is_kept() {
     assert_eq!(desk.json("room.toml --time 1h --spp 2 --json")["spp"], 2);
 }
 
+/// Long paths in a small picture must not make a pass so long that time is forgotten: this room
+/// keeps every path for 3000 segments.
+#[test]
+fn a_time_limit_is_kept_by_slow_small_pictures() {
+    let desk = Desk::new();
+    let white_room = r#"
+        version = 1
+        [render]
+        size = [32, 32]
+        max_depth = 3000
+        roulette = "off"
+        [camera]
+        position = [0, 0, 0]
+        look_at = [0, 0, -1]
+        [[material]]
+        name = "white"
+        type = "matte"
+        albedo = 1
+        [[shape]]
+        type = "box"
+        size = [4, 4, 4]
+        material = "white"
+    "#;
+    fs::write(desk.path("white.toml"), white_room).unwrap();
+    let done = desk.json("white.toml --time 1s --json -o a.png");
+    // A pass is half a million rays or one sample per pixel, which is three million here.
+    assert!(number(&done["seconds"]["render"]) < 20.0, "{done}");
+    assert!(number(&done["spp"]) >= 1.0);
+}
+
+/// A picture in place of a scene is told so, whatever the output would be called.
+#[test]
+fn a_picture_is_no_scene() {
+    let desk = Desk::new();
+    fs::write(desk.path("a.png"), b"\x89PNG").unwrap();
+    let ran = desk.run("a.png");
+    assert_eq!(ran.status, 2);
+    assert!(ran.error.contains("no scene format .png; there are .toml"), "{}", ran.error);
+    assert_eq!(desk.files(), ["a.png", "room.toml"]);
+}
+
+/// A camera that is chosen to see everything fits the picture that is asked for: in a narrow one
+/// it stands farther away.
+#[test]
+fn a_chosen_camera_fits_the_size_on_the_command_line() {
+    let desk = Desk::new();
+    fs::write(desk.path("bar.obj"), "v -1 0 0\nv 1 0 0\nv 1 .1 0\nv -1 .1 0\nf 1 2 3 4\n").unwrap();
+    for size in ["160x400", "400x160", "100x100"] {
+        let ran = desk.run(&format!("bar.obj --size {size} --integrator depth --spp 4 -o a.pfm"));
+        assert_eq!(ran.status, 0, "{}", ran.error);
+        let image = desk.image("a.pfm");
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let seen = image.channel("R").unwrap();
+        let on_border = |i: usize| {
+            let (x, y) = (i % width, i / width);
+            x == 0 || y == 0 || x + 1 == width || y + 1 == height
+        };
+        assert!(seen.iter().any(|&d| d > 0.0), "{size}");
+        assert!((0..seen.len()).all(|i| seen[i] == 0.0 || !on_border(i)), "{size}");
+    }
+}
+
 /// Starts a rendering without an end and waits until it is under way.
 #[cfg(unix)]
 fn start_endless(desk: &Desk, arguments: &str) -> std::process::Child {
@@ -630,6 +692,22 @@ fn an_interrupt_writes_the_image() {
         let image = desk.image("a.exr");
         assert_eq!((image.width(), image.height()), (101, 97));
         assert!(image.rgb().unwrap().iter().flatten().all(|c| c.is_finite()));
+    }
+}
+
+/// Programs like `timeout` signal a process and its group in one breath: that is one wish to end,
+/// not two, and the picture is written.
+#[cfg(unix)]
+#[test]
+fn an_echo_of_an_interrupt_is_no_second_one() {
+    for _ in 0..5 {
+        let desk = Desk::new();
+        let mut child = start_endless(&desk, "-o a.png");
+        // One call, so that the two come as close together as they can.
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-TERM", &id, &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(desk.files(), ["a.png", "room.toml"]);
     }
 }
 

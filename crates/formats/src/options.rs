@@ -9,6 +9,9 @@ pub struct ReadOptions<'a> {
     pub limits: Limits,
     /// Whether a scene may name files outside its own folder.
     pub allow_outside: bool,
+    /// The size that the picture will have whatever the file says: for a camera that is chosen
+    /// to see everything.
+    pub size: Option<[u32; 2]>,
     /// Images that need no disk, by the name that the scene uses: found before any file.
     pub embedded: &'a [(&'a str, &'a [u8])],
 }

@@ -21,6 +21,13 @@ pub(crate) struct Counters {
     pub(crate) rays: AtomicU64,
 }
 
+impl Counters {
+    /// Camera paths and rays.
+    pub(crate) fn so_far(&self) -> (u64, u64) {
+        (self.paths.load(Ordering::Relaxed), self.rays.load(Ordering::Relaxed))
+    }
+}
+
 /// Everything that a rendering reads and writes.
 pub(crate) struct Rendering<'a> {
     pub(crate) scene: &'a Prepared,

@@ -30,6 +30,8 @@ pub struct Progress {
     pub samples: u64,
     /// Samples that every pixel is to have.
     pub target: u64,
+    /// Samples that every pixel will have after the pass in flight, the soonest end.
+    pub pass: u64,
     /// True when nothing is being rendered any more: the target is reached, or it was stopped.
     pub finished: bool,
     /// Camera paths traced, one for each sample of each pixel.
@@ -57,6 +59,8 @@ struct Shared {
 #[derive(Debug)]
 struct State {
     target: u64,
+    /// Samples that the pass in flight brings every pixel to.
+    pass: u64,
     /// Set when no further pass shall begin.
     ending: bool,
     running: bool,
@@ -75,7 +79,12 @@ impl Session {
         settings.validate()?;
         let shared = Arc::new(Shared {
             film: Film::new(settings.window()),
-            state: Mutex::new(State { target: settings.spp, ending: false, running: false }),
+            state: Mutex::new(State {
+                target: settings.spp,
+                pass: 0,
+                ending: false,
+                running: false,
+            }),
             threads: threads.max(1),
             counters: Counters::default(),
             stop: AtomicBool::new(false),
@@ -90,16 +99,18 @@ impl Session {
 
     /// How far it has come.
     pub fn progress(&self) -> Progress {
-        let (target, finished) = {
+        let (target, pass, finished) = {
             let state = self.shared.state();
-            (state.target, !state.running)
+            (state.target, state.pass, !state.running)
         };
+        let (paths, rays) = self.shared.counters.so_far();
         Progress {
             samples: self.shared.film.samples(),
             target,
+            pass,
             finished,
-            paths: self.shared.counters.paths.load(Ordering::Relaxed),
-            rays: self.shared.counters.rays.load(Ordering::Relaxed),
+            paths,
+            rays,
             dropped: self.shared.film.dropped(),
         }
     }
@@ -188,18 +199,24 @@ impl Shared {
     /// there is none the session no longer counts as running, in the same breath: a target that
     /// is raised later finds it ended.
     fn next_pass(&self) -> Option<u64> {
-        /// A pass has at least this many samples in all: enough to outweigh starting threads.
-        const PASS_SAMPLES: u64 = 1 << 17;
+        /// A pass traces about this many rays: enough to outweigh starting threads, and few
+        /// enough to be over soon when it is to be the last.
+        const PASS_RAYS: u64 = 1 << 19;
         let window = self.settings.window();
         let pixels = u64::from(window.width) * u64::from(window.height);
         let done = self.film.samples();
+        // As the passes before went, so will the next; of the first nothing is known.
+        let (paths, rays) = self.counters.so_far();
+        let rays_per_sample = (rays / paths.max(1)).max(1) * pixels;
+        let samples = if done == 0 { 1 } else { (PASS_RAYS / rays_per_sample).max(1) };
         let mut state = self.state();
         if state.ending || done >= state.target {
             state.running = false;
             self.changed.notify_all();
             return None;
         }
-        Some(state.target.min(done + PASS_SAMPLES.div_ceil(pixels)))
+        state.pass = state.target.min(done + samples);
+        Some(state.pass)
     }
 }
 

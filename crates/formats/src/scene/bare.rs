@@ -42,7 +42,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
 
     // Light and a camera.
     scene.environment = Some(Environment::constant(Rgb::WHITE));
-    scene.camera = frame_all(&scene, settings.size)
+    scene.camera = frame_all(&scene, options.size.unwrap_or(settings.size))
         .ok_or_else(|| {
             let why = if no_faces { "there are no faces" } else { "no vertex is a finite point" };
             SceneError::invalid_file(path, format!("there is nothing to see: {why}"))

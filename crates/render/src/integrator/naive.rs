@@ -1,7 +1,7 @@
 //! Path tracing at its plainest: scatter, and see what comes.
 //!
-//! No light sampling, no multiple importance sampling, roulette by throughput
-//! only. It is written apart from [`Path`](super::Path) on purpose: the two must agree.
+//! No light sampling, no multiple importance sampling, roulette by a constant
+//! chance. It is written apart from [`Path`](super::Path) on purpose: the two must agree.
 //! Lights without a surface are never found.
 
 use super::dimension::Bounce;

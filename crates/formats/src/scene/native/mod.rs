@@ -105,7 +105,8 @@ fn parse_here(
         shape::read(&table, &mut draft)?;
     }
     if camera.is_none() {
-        let chosen = frame_all(&draft.scene, settings.size).ok_or_else(|| {
+        let size = options.size.unwrap_or(settings.size);
+        let chosen = frame_all(&draft.scene, size).ok_or_else(|| {
             root.invalid("there is no [camera], and no shape that one could be turned to")
         })?;
         draft.scene.camera = chosen.into();
