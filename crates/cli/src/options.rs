@@ -24,6 +24,15 @@ pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     }
 }
 
+/// `x,y`.
+pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y]) => Ok([x, y]),
+        _ => Err("write it as x,y in whole pixels, like 400,300".to_owned()),
+    }
+}
+
 /// `60s`, `5m`, `1h30m`, `1.5h`, or a plain number of seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || format!("\"{text}\" is not a time; write it as 60s, 5m or 1h30m");
@@ -212,6 +221,14 @@ mod tests {
         assert_eq!(crop("1, 2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
         for wrong in ["", "1,2,3", "1,2,3,4,5", "-1,2,3,4", "a,b,c,d"] {
             assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_two_numbers() {
+        assert_eq!(pixel("400, 0"), Ok([400, 0]));
+        for wrong in ["", "1", "1,2,3", "-1,2", "1.5,2", "a,b", "1x2"] {
+            assert!(pixel(wrong).is_err(), "{wrong}");
         }
     }
 

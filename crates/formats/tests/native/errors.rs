@@ -322,6 +322,78 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
         "6:12: give focus_distance or focus_at, not both",
     ),
     (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"fisheye\"",
+        r#"5:8: no camera type "fisheye"; there are perspective, orthographic, equirectangular"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"orthographic\"",
+        r#"2:1: an orthographic [camera] needs "height""#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"orthographic\"\nheight = 0",
+        "6:10: height is 0, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"orthographic\"\nheight = 1\nf_number = 2",
+        r#"7:1: no key "f_number" in an orthographic [camera], only in a perspective [camera]"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"equirectangular\"\nblades = 6",
+        r#"6:1: no key "blades" in an equirectangular [camera], only in a perspective or orthographic [camera]"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nheight = 2",
+        r#"5:1: no key "height" in [camera], only in an orthographic [camera]"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocal_length_mm = 0",
+        "5:19: focal_length_mm is 0, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocal_length_mm = 50\nfov_degrees = 40",
+        "6:15: give focal_length_mm or fov_degrees, not both",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nsensor_height_mm = 24",
+        "5:20: sensor_height_mm needs a focal_length_mm or an f_number",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 2\nsensor_height_mm = -24",
+        "6:20: sensor_height_mm is -24, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nblades = 6",
+        "5:10: blades needs an aperture_radius or an f_number",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\nblades = 2",
+        "6:10: blades is 2, but must be 0 for a round lens, or lie between 3 and 100",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\nblades = 5.5",
+        "6:10: blades must be a whole number, 0 or more, not the number 5.5",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\nblade_rotation_degrees = 9",
+        "6:26: blade_rotation_degrees needs blades: a round lens has no corners",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\naperture_ratio = 0",
+        "6:18: aperture_ratio is 0, but must lie between 0.01 and 100",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_on = [800, 20]",
+        "5:12: focus_on is 800,20, but the picture has 800x600 pixels, from 0,0 on",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_on = [4.5, 20]",
+        "5:13: focus_on must be two whole numbers [x, y], not the number 4.5",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_on = [4, 20]\nfocus_at = [0, 0, 0]",
+        "6:12: give focus_on or focus_at, not both",
+    ),
+    (
         "version = 1\n[camera]\nposition = [0, 0, 1e38]\nlook_at = [0, 0, -3e38]",
         "2:1: the camera has no direction: position and look_at are the same point, or too far apart",
     ),

@@ -25,16 +25,19 @@ pub(super) const RENDER: &[&str] = &[
     "curve",
 ];
 
-pub(super) const CAMERA: &[&str] = &[
-    "position",
-    "look_at",
-    "up",
-    "fov_degrees",
+pub(super) const ANY_CAMERA: &[&str] = &["type", "position", "look_at", "up"];
+pub(super) const LENS: &[&str] = &[
     "aperture_radius",
-    "f_number",
     "focus_distance",
     "focus_at",
+    "focus_on",
+    "blades",
+    "blade_rotation_degrees",
+    "aperture_ratio",
 ];
+pub(super) const PERSPECTIVE: &[&str] =
+    &["fov_degrees", "focal_length_mm", "sensor_height_mm", "f_number"];
+pub(super) const ORTHOGRAPHIC: &[&str] = &["height"];
 
 pub(super) const ENVIRONMENT: &[&str] = &["image", "color", "scale", "rotation_degrees"];
 
@@ -66,7 +69,10 @@ pub(super) const DIRECTIONAL: &[&str] = &["direction", "irradiance"];
 const PLACES: &[(&str, &[&str])] = &[
     ("the scene itself, above all tables", ROOT),
     ("[render]", RENDER),
-    ("[camera]", CAMERA),
+    ("[camera]", ANY_CAMERA),
+    ("a perspective or orthographic [camera]", LENS),
+    ("a perspective [camera]", PERSPECTIVE),
+    ("an orthographic [camera]", ORTHOGRAPHIC),
     ("[environment]", ENVIRONMENT),
     ("[[material]]", ANY_MATERIAL),
     ("an emissive material or emission", EMISSION),
@@ -112,6 +118,7 @@ pub(super) fn is_known(name: &str) -> bool {
 /// first of the others. What comes from a file is shown at the file's name.
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("transform", &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit"]),
+    ("fov_degrees", &["focal_length_mm"]),
     ("aperture_radius", &["f_number"]),
     ("focus_distance", &["focus_at", "look_at"]),
     ("*", &["file"]),
