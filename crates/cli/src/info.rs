@@ -225,6 +225,7 @@ fn kinds_of_lights(scene: &Scene) -> Vec<&'static str> {
     });
     let lights = scene.lights.iter().map(|light| match light {
         Light::Point { .. } => "point light",
+        Light::Spot { .. } => "spot",
         Light::Directional { .. } => "directional light",
     });
     let sky = scene.environment.iter().map(|e| match e.light {

@@ -241,6 +241,7 @@ impl Prepared {
         match &self.emitters[number] {
             Emitter::Environment(sky) => Some((number, sky)),
             Emitter::Point(_)
+            | Emitter::Spot(_)
             | Emitter::Distant(_)
             | Emitter::Triangle(_)
             | Emitter::Parallelogram(_)

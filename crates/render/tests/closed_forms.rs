@@ -9,7 +9,7 @@ use rutilant::bsdf::Fresnel;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::geom::{Transform, Vec2, Vec3};
-use rutilant::light::{Environment, Light};
+use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Mirror, Mix};
 use rutilant::scene::Scene;
 use rutilant::settings::{
@@ -209,7 +209,16 @@ fn sphere_light_over_a_plane() {
 /// A point light over a plane: E = I cos θ / d². So too from the distant light.
 #[test]
 fn lights_without_surface_over_a_plane() {
+    let spot = Light::Spot {
+        position: Vec3::new(0.0, 2.0, 0.0),
+        direction: Vec3::NEG_Y,
+        light: SpotLight::Power(Rgb::grey(24.0)),
+        inner: 0.0,
+        outer: std::f32::consts::PI,
+    };
     let lights = [
+        // A smoothstep over the whole sphere is a half on average: 24 W are 24 / 2π W/sr ahead.
+        (spot, 24.0 / (2.0 * PI) / 4.0),
         (Light::Point { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::grey(8.0) }, 2.0),
         (
             Light::Directional { direction: Vec3::new(3.0, -4.0, 0.0), irradiance: Rgb::grey(5.0) },

@@ -37,7 +37,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[[material]]\nname = \"a\"\n", r#"8:1: [[material]] needs "type""#),
     (
         "[render]\nposition = [0, 0, 1]\nspp = 2",
-        r#"9:1: no key "position" in [render], only in [camera] or a point light"#,
+        r#"9:1: no key "position" in [render], only in [camera] or a point light or a spot"#,
     ),
     (
         "[render]\nversion = 1",
@@ -269,6 +269,46 @@ const MISTAKES: &[(&str, &str)] = &[
     (
         "[[light]]\ntype = \"directional\"\ndirection = [0, 0, 0]\nirradiance = 1",
         "10:13: direction has no length",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\n",
+        r#"8:1: a spot needs "direction" or "look_at""#,
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\n",
+        r#"8:1: a spot needs "intensity" or "power""#,
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 1]\nintensity = 1",
+        "11:11: look_at is where the light itself is",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\ndirection = [0, 0, 0]\nintensity = 1",
+        "11:13: direction has no length",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nintensity = 1\npower = 1",
+        "13:9: give intensity or power, not both",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = -1",
+        "12:9: power is -1, but must be 0 or more",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nouter_degrees = 0",
+        "13:17: outer_degrees is 0, but must lie between 0.01 and 180",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nouter_degrees = 30\ninner_degrees = 40",
+        "14:17: inner_degrees is 40, but must lie between 0 and outer_degrees, 30",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\ninner_degrees = -1",
+        "13:17: inner_degrees is -1, but must lie between 0 and outer_degrees, 45",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nradius = 1",
+        r#"13:1: no key "radius" in a spot, only in a sphere or disk"#,
     ),
     (
         "[[light]]\ntype = \"point\"\nposition = [0, 0, 0]",

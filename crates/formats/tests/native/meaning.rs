@@ -6,7 +6,7 @@ use rutilant::camera::{Camera, Lens};
 use rutilant::color::Rgb;
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
-use rutilant::light::{EnvironmentLight, Light};
+use rutilant::light::{EnvironmentLight, Light, SpotLight};
 use rutilant::material::{Absorption, EmittedLight, MaterialKind};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{
@@ -151,6 +151,28 @@ fn cameras_have_types_and_lenses() {
         other => panic!("{other:?}"),
     }
     assert!(matches!(camera("type = \"equirectangular\""), Camera::Equirectangular(_)));
+}
+
+/// Spots shine where they are told, into the cones of glTF where none are given.
+#[test]
+fn spots_have_cones() {
+    let spot = |lines: &str| {
+        let text = format!("[[light]]\ntype = \"spot\"\nposition = [1, 2, 3]\n{lines}");
+        read(&text).scene.lights[0]
+    };
+    let expected = |direction: [f32; 3], light, degrees: [f32; 2]| {
+        let [inner, outer] = degrees.map(f32::to_radians);
+        let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), direction.into());
+        Light::Spot { position, direction, light, inner, outer }
+    };
+    assert_eq!(
+        spot("look_at = [1, 0, 3]\nintensity = [1, 2, 3]"),
+        expected([0.0, -2.0, 0.0], SpotLight::Intensity(Rgb::new(1.0, 2.0, 3.0)), [0.0, 45.0])
+    );
+    assert_eq!(
+        spot("direction = [1, 0, 3]\npower = 5\nouter_degrees = 30\ninner_degrees = 20"),
+        expected([1.0, 0.0, 3.0], SpotLight::Power(Rgb::grey(5.0)), [20.0, 30.0])
+    );
 }
 
 /// Every name of every setting.

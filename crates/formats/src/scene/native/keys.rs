@@ -63,6 +63,8 @@ pub(super) const ROTATE: &[&str] = &["axis", "degrees"];
 
 pub(super) const ANY_LIGHT: &[&str] = &["type"];
 pub(super) const POINT: &[&str] = &["position", "intensity"];
+pub(super) const SPOT: &[&str] =
+    &["position", "direction", "look_at", "intensity", "power", "outer_degrees", "inner_degrees"];
 pub(super) const DIRECTIONAL: &[&str] = &["direction", "irradiance"];
 
 /// Which table has which keys.
@@ -91,6 +93,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("rotate", ROTATE),
     ("[[light]]", ANY_LIGHT),
     ("a point light", POINT),
+    ("a spot", SPOT),
     ("a directional light", DIRECTIONAL),
 ];
 
@@ -119,6 +122,7 @@ pub(super) fn is_known(name: &str) -> bool {
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("transform", &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit"]),
     ("fov_degrees", &["focal_length_mm"]),
+    ("direction", &["look_at"]),
     ("aperture_radius", &["f_number"]),
     ("focus_distance", &["focus_at", "look_at"]),
     ("*", &["file"]),
