@@ -188,10 +188,16 @@ pub(crate) fn name(choice: &impl ValueEnum) -> String {
 /// What becomes of values above white.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum DisplayCurve {
-    /// They are white; everything below stays exact
+    /// They are white; everything below stays exact: for comparing
     Clip,
-    /// A soft shoulder, as film has it
+    /// A soft shoulder, as film has it: contrast, quickly
     Filmic,
+    /// Luminance is compressed, colours stay: for some highlights
+    Reinhard,
+    /// The reference look of film production: strong contrast, rather dark
+    Aces,
+    /// Sixteen stops; bright colours bleach to white: for lamps, fire, sun
+    Agx,
 }
 
 impl From<DisplayCurve> for Curve {
@@ -199,6 +205,9 @@ impl From<DisplayCurve> for Curve {
         match name {
             DisplayCurve::Clip => Self::Clip,
             DisplayCurve::Filmic => Self::Filmic,
+            DisplayCurve::Reinhard => Self::Reinhard,
+            DisplayCurve::Aces => Self::Aces,
+            DisplayCurve::Agx => Self::Agx,
         }
     }
 }

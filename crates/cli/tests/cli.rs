@@ -426,6 +426,24 @@ fn exposure_changes_what_is_shown_and_not_what_is_stored() {
     assert_ne!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
 }
 
+/// Grey 0.18 is 118 on a screen, and 0.18 in a file that holds light, under every curve and
+/// exposure. The old program had a gamma of 2 and a hidden factor of 1.5.
+#[test]
+fn middle_grey_is_118_for_eyes_and_itself_in_files_of_light() {
+    let desk = Desk::new();
+    let scene = "version = 1\nrender.size = [4, 4]\nrender.spp = 4\nenvironment.color = 0.18
+        camera.position = [0, 0, 1]\ncamera.look_at = [0, 0, 0]";
+    fs::write(desk.path("grey.toml"), scene).unwrap();
+    for (options, byte) in [("", 118), ("--curve agx", 118), ("--curve aces --exposure 1", 141)] {
+        desk.json(&format!("grey.toml -o grey.exr -o grey.png --json {options}"));
+        let (light, shown) = (desk.image("grey.exr"), desk.image("grey.png"));
+        assert_eq!(light.channel("G").unwrap(), [0.18; 16], "{options}");
+        let code = |linear: f32| (255.0 * rutilant::display::srgb_from_linear(linear)).round();
+        let bytes: Vec<f32> = shown.channel("G").unwrap().iter().map(|&c| code(c)).collect();
+        assert_eq!(bytes, [byte as f32; 16], "{options}");
+    }
+}
+
 /// Focusing says what became sharp, changes the picture only where there is a lens, and is kept
 /// with the picture.
 #[test]

@@ -100,6 +100,7 @@ const MISTAKES: &[(&str, &str)] = &[
         "[render]\nintegrator = \"photon mapping\"",
         r#"9:14: no integrator "photon mapping"; there are path, naive, direct, ao, normals, albedo, depth"#,
     ),
+    ("[render]\ncurve = \"agxx\"", r#"9:9: no curve "agxx"; did you mean "agx"?"#),
     ("[[light]]\ntype = \"pint\"", r#"9:8: no light type "pint"; did you mean "point"?"#),
     (
         "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"gray\"",

@@ -202,6 +202,16 @@ fn settings_have_names() {
     ] {
         assert_eq!(get(line).filter, filter);
     }
+    for (name, curve) in [
+        ("clip", Curve::Clip),
+        ("filmic", Curve::Filmic),
+        ("reinhard", Curve::Reinhard),
+        ("aces", Curve::Aces),
+        ("agx", Curve::Agx),
+    ] {
+        let text = format!("[render]\ncurve = \"{name}\"");
+        assert_eq!(read(&text).display.curve, curve);
+    }
     assert_eq!(get("sampler = \"independent\"").sampler, SamplerKind::Independent);
     assert_eq!(get("strategy = \"light\"").strategy, Strategy::LightOnly);
     assert_eq!(get("strategy = \"bsdf\"").strategy, Strategy::BsdfOnly);
