@@ -48,9 +48,8 @@ impl Curve {
 
     /// What of scene-linear light is shown, each channel 0 to 1.
     fn apply(self, light: [f32; 3]) -> [f32; 3] {
-        // Sends NaN to 0 as well. Beyond a million every curve has long reached white, and the
-        // terms of some would overflow.
-        let light = light.map(|c| c.max(0.0).min(BRIGHTEST));
+        // Beyond a million every curve has long reached white, and the terms of some would overflow.
+        let light = light.map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
         let shown = match self {
             Self::Clip => light,
             Self::Filmic => light.map(filmic),

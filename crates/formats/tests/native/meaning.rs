@@ -57,6 +57,7 @@ fn the_documented_example_means_what_it_says() {
         "{}",
         camera.lens.aperture_radius
     );
+    assert_eq!((camera.lens.blades, camera.lens.aperture_ratio), (7, 1.0));
     // (0, -0.7, -3.5) projected on (0, -0.7, -4) / √16.49.
     assert!((camera.lens.focus_distance - 14.49 / 16.49_f32.sqrt()).abs() < 1e-5);
 
@@ -102,6 +103,9 @@ fn the_documented_example_means_what_it_says() {
     assert!(near(pyramid.point(Vec3::new(1.0, 0.0, 1.0)), [0.5, 0.0, 1.5]));
     let Light::Directional { irradiance, .. } = scene.lights[0] else { panic!("no sun") };
     assert_eq!(irradiance, Rgb::grey(1.5));
+    let Light::Spot { light, direction, .. } = scene.lights[1] else { panic!("no spot") };
+    assert_eq!(light, SpotLight::Power(Rgb::grey(40.0)));
+    assert!(near(direction, [1.3, -2.5, -2.0]));
 }
 
 /// What is not said has the documented default.

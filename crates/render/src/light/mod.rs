@@ -95,14 +95,14 @@ impl Light {
                 // As the author wrote them: what radians have rounded is rounded back.
                 let degrees =
                     [inner, outer].map(|angle| (f64::from(angle).to_degrees() * 1e4).round() / 1e4);
-                if !(outer >= MIN_CONE && outer <= PI) {
+                if !(MIN_CONE..=PI).contains(&outer) {
                     let [_, given] = degrees;
                     return Err(place.problem(
                         "outer_degrees",
                         format!("outer_degrees is {given}, but must lie between 0.01 and 180"),
                     ));
                 }
-                if !(inner >= 0.0 && inner <= outer) {
+                if !(0.0..=outer).contains(&inner) {
                     let [given, most] = degrees;
                     return Err(place.problem(
                         "inner_degrees",
