@@ -2,6 +2,7 @@
 
 use crate::check::{contents, triangles};
 use crate::failure::{Exit, Failure};
+use crate::focus::{self, Focus};
 use crate::load::{self, Reading, timed};
 use crate::options;
 use crate::say::{print_json, print_line, tell};
@@ -25,6 +26,9 @@ pub(crate) struct Args {
     /// Threads that build the ray tree
     #[arg(long, value_name = "N", value_parser = options::threads, default_value_t = options::all_threads())]
     threads: usize,
+    /// Say how the camera is focused on what is seen in this pixel
+    #[arg(long, value_name = "X,Y", value_parser = options::pixel, allow_hyphen_values = true)]
+    focus_on: Option<[u32; 2]>,
     /// Print one line of JSON
     #[arg(long)]
     json: bool,
@@ -48,6 +52,8 @@ struct Info {
     /// Building the tree, and little else.
     prepare_seconds: f64,
     bvh: Tree,
+    /// What the camera is focused on, where it was told to find that out.
+    focus: Option<Focus>,
     notes: Vec<String>,
 }
 
@@ -66,7 +72,10 @@ struct Tree {
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     load::use_threads(args.threads)?;
     let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading, None));
-    let loaded = loaded?;
+    let mut loaded = loaded?;
+    if let Some(pixel) = args.focus_on {
+        focus::ask(&mut loaded.scene, pixel, loaded.settings.size)?;
+    }
     let (prepared, preparing) = timed(|| load::prepare(&loaded));
     let prepared = prepared?;
     let report = prepared.report();
@@ -74,6 +83,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     let mut notes = loaded.notes.clone();
     notes.extend(report.notes.iter().cloned());
+    let (focus, no_focus) = focus::find(scene, &prepared, loaded.settings.size);
+    notes.extend(no_focus);
     let bounds = report.bounds;
     let info = Info {
         scene: args.scene.clone().unwrap_or_else(|| load::BUILT_IN.into()),
@@ -97,6 +108,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
             largest_leaf: report.bvh.largest_leaf as u64,
             left_out: report.bvh.left_out.count as u64,
         },
+        focus,
         notes,
     };
     for note in &info.notes {
@@ -149,6 +161,9 @@ fn describe(info: &Info, contents: &str) -> String {
             row("bounds", &format!("({}) to ({}) m", point(min), point(max)));
         }
         None => row("bounds", "none: there are no surfaces"),
+    }
+    if let Some(focus) = &info.focus {
+        row("focus", &focus.describe());
     }
     let tree = &info.bvh;
     row(
@@ -210,6 +225,7 @@ fn kinds_of_lights(scene: &Scene) -> Vec<&'static str> {
     });
     let lights = scene.lights.iter().map(|light| match light {
         Light::Point { .. } => "point light",
+        Light::Spot { .. } => "spot",
         Light::Directional { .. } => "directional light",
     });
     let sky = scene.environment.iter().map(|e| match e.light {

@@ -9,6 +9,7 @@ mod check;
 mod command;
 mod compare;
 mod failure;
+mod focus;
 mod info;
 mod interrupt;
 mod load;

@@ -25,6 +25,15 @@ pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     }
 }
 
+/// `x,y`.
+pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y]) => Ok([x, y]),
+        _ => Err("write it as x,y in whole pixels, like 400,300".to_owned()),
+    }
+}
+
 /// `60s`, `5m`, `1h30m`, `1.5h`, or a plain number of seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || format!("\"{text}\" is not a time; write it as 60s, 5m or 1h30m");
@@ -227,10 +236,16 @@ pub(crate) enum Channels {
 /// What becomes of values above white.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum DisplayCurve {
-    /// They are white; everything below stays exact
+    /// They are white; everything below stays exact: for comparing
     Clip,
-    /// A soft shoulder, as film has it
+    /// A soft shoulder, as film has it: contrast, quickly
     Filmic,
+    /// Luminance is compressed, colours stay: for some highlights
+    Reinhard,
+    /// The reference look of film production: strong contrast, rather dark
+    Aces,
+    /// Sixteen stops; bright colours bleach to white: for lamps, fire, sun
+    Agx,
 }
 
 impl From<DisplayCurve> for Curve {
@@ -238,6 +253,9 @@ impl From<DisplayCurve> for Curve {
         match name {
             DisplayCurve::Clip => Self::Clip,
             DisplayCurve::Filmic => Self::Filmic,
+            DisplayCurve::Reinhard => Self::Reinhard,
+            DisplayCurve::Aces => Self::Aces,
+            DisplayCurve::Agx => Self::Agx,
         }
     }
 }
@@ -287,6 +305,14 @@ mod tests {
             "pixels=99999999999G",
         ] {
             assert!(limit(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_two_numbers() {
+        assert_eq!(pixel("400, 0"), Ok([400, 0]));
+        for wrong in ["", "1", "1,2,3", "-1,2", "1.5,2", "a,b", "1x2"] {
+            assert!(pixel(wrong).is_err(), "{wrong}");
         }
     }
 

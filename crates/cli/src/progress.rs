@@ -211,7 +211,15 @@ mod tests {
 
     fn progress(paths: u64) -> Progress {
         let dropped = Dropped { count: 0, first: None };
-        Progress { samples: paths / 100, target: 64, finished: false, paths, rays: 0, dropped }
+        Progress {
+            samples: paths / 100,
+            target: 64,
+            pass: paths / 100 + 1,
+            finished: false,
+            paths,
+            rays: 0,
+            dropped,
+        }
     }
 
     /// A quarter of the samples after 2 s leaves 6 s; a clock that strikes earlier wins.

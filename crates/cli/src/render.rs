@@ -1,6 +1,7 @@
 //! `rutilant render`: from a scene to image files.
 
 use crate::failure::{Exit, Failure};
+use crate::focus::{self, Focus};
 use crate::interrupt::Interrupt;
 use crate::load::{self, Reading, timed};
 use crate::options::{self, Bits, Channels, DisplayCurve, Integrator, Sampler};
@@ -26,6 +27,7 @@ Examples:
   rutilant render kitchen.toml --size 3840x2160 --crop 1600,900,640,360
                                                         a window of a large picture, the same pixels
   rutilant render kitchen.toml --integrator normals     what the camera sees, without light
+  rutilant render kitchen.toml --focus-on 400,300       what is in this pixel becomes sharp
 
 Ctrl-C finishes the pass and writes the image; a second Ctrl-C stops at once.";
 
@@ -50,6 +52,9 @@ pub(crate) struct Args {
     /// Render only this window of the picture, in pixels from its upper left corner
     #[arg(long, value_name = "X,Y,W,H", help_heading = PICTURE, value_parser = options::crop)]
     crop: Option<Crop>,
+    /// Focus on what is seen in this pixel, through glass and in mirrors
+    #[arg(long, value_name = "X,Y", help_heading = PICTURE, value_parser = options::pixel, allow_hyphen_values = true)]
+    focus_on: Option<[u32; 2]>,
     /// Another seed gives another, equally good picture
     #[arg(long, value_name = "N", help_heading = PICTURE, value_parser = options::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
@@ -126,6 +131,8 @@ struct Outcome {
     rays_per_second: f64,
     threads: usize,
     seconds: Seconds,
+    /// What the camera is focused on, where it was told to find that out.
+    focus: Option<Focus>,
     notes: Vec<String>,
 }
 
@@ -156,9 +163,12 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     // Read, and let the command line have the last word.
     let spinner = Spinner::start(style, "reading");
     let (loaded, reading) = timed(|| load::read(args.scene.as_deref(), &args.reading, args.size));
-    let loaded = loaded?;
+    let mut loaded = loaded?;
     let settings = settings(args, &loaded.settings);
     settings.validate()?;
+    if let Some(pixel) = args.focus_on {
+        focus::ask(&mut loaded.scene, pixel, settings.size)?;
+    }
     let display = Display {
         exposure: args.exposure.unwrap_or(loaded.display.exposure),
         curve: args.curve.map_or(loaded.display.curve, Into::into),
@@ -171,6 +181,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let prepared = prepared?;
     let mut notes = loaded.notes;
     notes.extend(prepared.report().notes.iter().cloned());
+    let (focus, no_focus) = focus::find(&loaded.scene, &prepared, settings.size);
+    notes.extend(no_focus);
     let integrator = Integrator::from(settings.integrator);
     if args.max_depth.is_some() && !integrator.heeds_max_depth() {
         let name = options::name(&integrator);
@@ -180,6 +192,9 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     drop(spinner);
     if !args.quiet {
         notes.iter().for_each(|note| tell(&format!("note: {note}")));
+        if let Some(focus) = &focus {
+            tell(&format!("focus: {}", focus.describe()));
+        }
     }
 
     // Render.
@@ -188,7 +203,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
     let detail = Detail { bits: args.bits, channels: args.channels };
-    let metadata = metadata(&settings, &rendered);
+    let metadata = metadata(args, &settings, &rendered);
     let write =
         |path: &PathBuf| output::write(path, &rendered.image, &display, detail, metadata.clone());
     let (written, writing) =
@@ -224,6 +239,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
             render: rendered.time.as_secs_f64(),
             write: writing.as_secs_f64(),
         },
+        focus,
         notes,
     };
     if !args.quiet {
@@ -289,7 +305,7 @@ const UNBOUNDED: u64 = 1 << 32;
 /// What is kept with the picture: all that the command line can say about it, in the words of
 /// the command line, so that with the scene it can be made again. No times and no file names,
 /// so that equal pictures are equal files.
-fn metadata(settings: &Settings, rendered: &Rendered) -> Vec<(String, String)> {
+fn metadata(args: &Args, settings: &Settings, rendered: &Rendered) -> Vec<(String, String)> {
     let [width, height] = settings.size;
     let crop = settings.crop.map(|c| format!("{},{},{},{}", c.x, c.y, c.width, c.height));
     [
@@ -297,6 +313,7 @@ fn metadata(settings: &Settings, rendered: &Rendered) -> Vec<(String, String)> {
         ("seed", Some(settings.seed.to_string())),
         ("size", Some(format!("{width}x{height}"))),
         ("crop", crop),
+        ("focus_on", args.focus_on.map(|[x, y]| format!("{x},{y}"))),
         ("integrator", Some(options::name(&Integrator::from(settings.integrator)))),
         ("sampler", Some(options::name(&Sampler::from(settings.sampler)))),
         ("max_depth", settings.max_depth.map(|depth| depth.to_string())),

@@ -456,6 +456,65 @@ fn exposure_changes_what_is_shown_and_not_what_is_stored() {
     assert_ne!(fs::read(desk.path("a.png")).unwrap(), fs::read(desk.path("b.png")).unwrap());
 }
 
+/// Grey 0.18 is 118 on a screen, and 0.18 in a file that holds light, under every curve and
+/// exposure. The old program had a gamma of 2 and a hidden factor of 1.5.
+#[test]
+fn middle_grey_is_118_for_eyes_and_itself_in_files_of_light() {
+    let desk = Desk::new();
+    let scene = "version = 1\nrender.size = [4, 4]\nrender.spp = 4\nenvironment.color = 0.18
+        camera.position = [0, 0, 1]\ncamera.look_at = [0, 0, 0]";
+    fs::write(desk.path("grey.toml"), scene).unwrap();
+    for (options, byte) in [("", 118), ("--curve agx", 118), ("--curve aces --exposure 1", 141)] {
+        desk.json(&format!("grey.toml -o grey.exr -o grey.png --json {options}"));
+        let (light, shown) = (desk.image("grey.exr"), desk.image("grey.png"));
+        assert_eq!(light.channel("G").unwrap(), [0.18; 16], "{options}");
+        let code = |linear: f32| (255.0 * rutilant::display::srgb_from_linear(linear)).round();
+        let bytes: Vec<f32> = shown.channel("G").unwrap().iter().map(|&c| code(c)).collect();
+        assert_eq!(bytes, [byte as f32; 16], "{options}");
+    }
+}
+
+/// Focusing says what became sharp, changes the picture only where there is a lens, and is kept
+/// with the picture.
+#[test]
+fn focusing_on_a_pixel_is_told() {
+    let desk = Desk::new();
+    let lens = ROOM.replace("fov_degrees = 40", "fov_degrees = 40\naperture_radius = 0.1");
+    fs::write(desk.path("lens.toml"), &lens).unwrap();
+    // Through the glass ball to the floor behind it.
+    let said = desk.json("lens.toml --focus-on 50,46 --json -o a.hdr");
+    let focus = &said["focus"];
+    assert!(number(&focus["distance"]) > 1.0 && number(&focus["path_length"]) > 3.0, "{said}");
+    assert_eq!(focus["bounces"], 2, "{said}");
+    assert_eq!(said["notes"].as_array().map(Vec::len), Some(0), "{said}");
+    assert_ne!(said["hash"], desk.json("lens.toml --json -o b.hdr")["hash"]);
+    let header = String::from_utf8_lossy(&fs::read(desk.path("a.hdr")).unwrap()).into_owned();
+    assert!(header.contains("focus_on: 50,46"), "the picture says how to make it again");
+
+    // The scene says the same; `info` measures without rendering.
+    let scene = lens.replace("fov_degrees", "focus_on = [50, 46]\nfov_degrees");
+    fs::write(desk.path("scene.toml"), scene).unwrap();
+    assert_eq!(desk.json("scene.toml --json -o b.hdr")["hash"], said["hash"]);
+    assert_eq!(desk.json("info scene.toml --json")["focus"], *focus);
+    assert_eq!(desk.json("info lens.toml --json --focus-on 50,46")["focus"], *focus);
+    let people = desk.run("info scene.toml");
+    assert!(people.out.contains("m along the view"), "{}", people.out);
+
+    // What comes to nothing is said: no lens, nothing there.
+    let pinhole = desk.run("room.toml --focus-on 50,46 -o c.hdr");
+    assert!(pinhole.error.contains("a pinhole sees everything sharp"), "{}", pinhole.error);
+    let sky = desk.run("lens.toml --focus-on 0,0 -o c.hdr");
+    assert!(sky.error.contains("the focus stays at 4.0"), "{}", sky.error);
+    for wrong in ["101,5", "5", "-1,2"] {
+        let ran = desk.run(&format!("lens.toml --focus-on {wrong}"));
+        assert_eq!(ran.status, 2, "{wrong}: {}", ran.error);
+    }
+    let around = ROOM.replace("fov_degrees = 40", "type = \"equirectangular\"");
+    fs::write(desk.path("around.toml"), around).unwrap();
+    let ran = desk.run("around.toml --focus-on 5,5");
+    assert!(ran.status == 2 && ran.error.contains("has none"), "{}", ran.error);
+}
+
 /// Sixteen bits a number keep three digits.
 #[test]
 fn half_numbers_take_half_the_room() {

@@ -287,7 +287,7 @@ fn glowing_box() -> Scene {
 fn lens() -> Scene {
     let mut camera = Perspective::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::new(0.0, 0.5, 0.0), 0.8)
         .expect("two different points");
-    camera.aperture_radius = 0.2;
+    camera.lens.aperture_radius = 0.2;
     let mut s = Scene::new(camera);
     let white = matte(&mut s, 0.8, 0.8, 0.8);
     let red = matte(&mut s, 0.8, 0.2, 0.1);

@@ -84,7 +84,7 @@ impl Rendering<'_> {
         mut next_pass: impl FnMut() -> Option<u64>,
         integrator: &I,
     ) {
-        let camera = self.scene.camera.prepare(self.settings.size);
+        let camera = self.scene.focused_camera(self.settings.size);
         let filter = FilterSampler::new(&self.settings.filter);
         while let Some(until_sample) = next_pass() {
             let next = AtomicUsize::new(0);

@@ -4,7 +4,10 @@
 //! show, then the sRGB transfer function, rounded to 8 or 16 bits. Files that
 //! hold light (EXR, HDR, PFM) never pass through here.
 //!
-//! Source: IEC 61966-2-1 (sRGB); Narkowicz, "ACES Filmic Tone Mapping Curve", 2016.
+//! All curves keep grey grey, to the last bit, and black black; more light of a
+//! grey never shows darker.
+//!
+//! Source: IEC 61966-2-1 (sRGB); the curves name theirs.
 
 use rutilant_geom::real;
 
@@ -20,12 +23,49 @@ pub struct Display {
 /// How light beyond what a screen can show is made to fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Curve {
-    /// Not at all: what is brighter than 1 is 1.
+    /// Not at all: what is brighter than 1 is 1, everything below is exact. For comparing
+    /// pictures, and for scenes that are lit to fit.
     #[default]
     Clip,
-    /// A filmic curve with a soft shoulder and deeper darks.
+    /// Each channel over a curve with a soft shoulder and deeper darks: contrast, with colours
+    /// that shift where they are bright. For a look like film, quickly.
     Filmic,
+    /// Luminance compressed, colour kept: nothing shifts, and a luminance of 8 is white. For
+    /// plain pictures of scenes with some highlights.
+    Reinhard,
+    /// The reference look of the Academy's system: strong contrast, bright colours turn towards
+    /// white. For pictures that stand beside film; darker than the others, so often with half a
+    /// stop of exposure.
+    Aces,
+    /// Sixteen stops in a gentle curve that bleaches colours on their way to white: lamps and
+    /// fire keep their form. Grey 0.18 stays as it is. For bright scenes of all kinds.
+    Agx,
 }
+
+impl Curve {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Clip, Self::Filmic, Self::Reinhard, Self::Aces, Self::Agx];
+
+    /// What of scene-linear light is shown, each channel 0 to 1.
+    fn apply(self, light: [f32; 3]) -> [f32; 3] {
+        // Beyond a million every curve has long reached white, and the terms of some would overflow.
+        let light = light.map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
+        let shown = match self {
+            Self::Clip => light,
+            Self::Filmic => light.map(filmic),
+            Self::Reinhard => reinhard(light),
+            Self::Aces => ACES_OUTPUT.apply(ACES_INPUT.apply(light).map(aces_fit)),
+            Self::Agx => {
+                let encoded = AGX_INSET.apply(light).map(agx_sigmoid);
+                let outset = AGX_OUTSET.apply(encoded);
+                outset.map(|c| real::pow(c.clamp(0.0, 1.0), AGX_POWER))
+            }
+        };
+        shown.map(|c| c.clamp(0.0, 1.0))
+    }
+}
+
+const BRIGHTEST: f32 = 1e6;
 
 impl Display {
     /// The sRGB bytes for a scene-linear colour. What is no number shows as black.
@@ -42,24 +82,95 @@ impl Display {
     /// Encoded as sRGB, 0 to 1.
     fn shown(&self, rgb: [f32; 3]) -> [f32; 3] {
         let gain = real::exp2(self.exposure);
-        rgb.map(|c| srgb_from_linear(self.curve.apply(c * gain)))
+        self.curve.apply(rgb.map(|c| c * gain)).map(srgb_from_linear)
     }
 }
 
-impl Curve {
-    /// What of scene-linear light is shown, 0 to 1.
-    fn apply(self, light: f32) -> f32 {
-        // Also sends NaN to 0.
-        let light = light.max(0.0);
-        match self {
-            Self::Clip => light.min(1.0),
-            // Beyond a few hundred the quotient is the limit, and its terms overflow.
-            Self::Filmic => {
-                let x = light.min(1e6);
-                (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(1.0)
-            }
-        }
+/// Source: Narkowicz, "ACES Filmic Tone Mapping Curve", 2016.
+fn filmic(x: f32) -> f32 {
+    x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
+}
+
+/// The extended operator on luminance, L (1 + L / white²) / (1 + L); colours are scaled along.
+///
+/// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002,
+/// eq. 4.
+fn reinhard(rgb: [f32; 3]) -> [f32; 3] {
+    /// The least luminance that is white: three stops above a white wall.
+    const WHITE: f32 = 8.0;
+    let [r, g, b] = rgb;
+    // Rec. 709. Written so that a grey's luminance is that grey, to the last bit.
+    let luminance = g + 0.2126 * (r - g) + 0.0722 * (b - g);
+    let scale = (1.0 + luminance / (WHITE * WHITE)) / (1.0 + luminance);
+    rgb.map(|c| c * scale)
+}
+
+/// A 3×3 matrix whose rows add up to 1, by what lies off its diagonal: row by row, (red from
+/// green, red from blue), (green from red, green from blue), (blue from red, blue from green).
+/// Written as differences from the diagonal, it maps a grey to the same grey, to the last bit.
+struct Mixing([[f32; 2]; 3]);
+
+impl Mixing {
+    fn apply(&self, [r, g, b]: [f32; 3]) -> [f32; 3] {
+        let [red, green, blue] = self.0;
+        [
+            r + red[0] * (g - r) + red[1] * (b - r),
+            g + green[0] * (r - g) + green[1] * (b - g),
+            b + blue[0] * (r - b) + blue[1] * (g - b),
+        ]
     }
+}
+
+// The fit of ACES 1.0 (reference rendering transform and that for sRGB displays) by Stephen Hill,
+// 2015: into a space near its rendering primaries with a little less saturation, over a rational
+// curve, and back.
+const ACES_INPUT: Mixing =
+    Mixing([[0.354_58, 0.048_23], [0.076_00, 0.015_66], [0.028_40, 0.133_83]]);
+const ACES_OUTPUT: Mixing =
+    Mixing([[-0.531_08, -0.073_67], [-0.102_08, -0.006_05], [-0.003_27, -0.072_76]]);
+
+fn aces_fit(x: f32) -> f32 {
+    (x * (x + 0.024_578_6) - 0.000_090_537) / (x * (0.983_729 * x + 0.432_951) + 0.238_081)
+}
+
+// AgX: Troy Sobotka, 2022. Colours are drawn towards grey, so that the curve does not pin them to
+// the edge of what can be shown; each channel goes over a sigmoid of its logarithm; then colours
+// are drawn out again. Inset for Rec. 709 and outset, its inverse, as in Benjamin Wrensch,
+// "Minimal AgX Implementation", 2023.
+const AGX_INSET: Mixing = Mixing([
+    [0.078_433_6, 0.079_223_745],
+    [0.042_328_242, 0.079_166_13],
+    [0.042_375_655, 0.078_433_6],
+]);
+const AGX_OUTSET: Mixing = Mixing([
+    [-0.098_020_88, -0.099_029_74],
+    [-0.052_896_85, -0.098_961_18],
+    [-0.052_971_636, -0.098_043_45],
+]);
+
+/// What the sigmoid gives is light to the power of 1 / 2.4.
+const AGX_POWER: f32 = 2.4;
+
+/// Over stops from −10 to 6.5 around grey 0.18, both mapped to 0 to 1: a straight line of slope
+/// 2.4 through grey, bent to the corners (0, 0) and (1, 1) by x / (1 + x^1.5)^(2/3) on both sides.
+/// Slope and powers are those of Eary Chow's AgX for Blender, 2023.
+fn agx_sigmoid(light: f32) -> f32 {
+    const GREY: f32 = 0.18;
+    const STOPS: [f32; 2] = [-10.0, 6.5];
+    const SLOPE: f32 = 2.4;
+    /// Grey before and after the curve: 10 / 16.5, and 0.18 to the power of 1 / 2.4.
+    const PIVOT: [f32; 2] = [0.606_060_6, 0.489_437_1];
+    /// How high the bend reaches above and below grey, such that the corners are met.
+    const SHOULDER: f32 = 0.715_198_3;
+    const TOE: f32 = 0.565_675_6;
+
+    // Zero has no logarithm; what is as dark as this is black.
+    let stops = real::log2(light.max(1e-6) / GREY).clamp(STOPS[0], STOPS[1]);
+    let x = (stops - STOPS[0]) / (STOPS[1] - STOPS[0]);
+    let rise = SLOPE * (x - PIVOT[0]);
+    let height = if rise >= 0.0 { SHOULDER } else { TOE };
+    let t = rise.abs() / height;
+    PIVOT[1] + rise / real::pow(1.0 + t * t.sqrt(), 2.0 / 3.0)
 }
 
 /// The sRGB transfer function: linear 0 to 1 to encoded 0 to 1.
@@ -94,31 +205,179 @@ mod tests {
         assert_eq!(Display { exposure: 1.0, ..PLAIN }.encode([0.09; 3]), [118; 3]);
     }
 
+    /// All 65,536 half-precision numbers, negative ones, infinities and those that are none
+    /// included, by what IEEE 754 says of their bits.
+    fn halves() -> impl Iterator<Item = f32> {
+        (0..=u16::MAX).map(|bits| {
+            let (exponent, fraction) = (bits >> 10 & 0x1f, f32::from(bits & 0x3ff));
+            let magnitude = match exponent {
+                0 => fraction * f32::from_bits(0x3380_0000),
+                0x1f if fraction == 0.0 => f32::INFINITY,
+                0x1f => f32::NAN,
+                _ => (1.0 + fraction / 1024.0) * real::exp2(f32::from(exponent) - 15.0),
+            };
+            if bits >> 15 == 1 { -magnitude } else { magnitude }
+        })
+    }
+
     /// One pixel that is no number must not shine: the old program showed NaN as white.
     #[test]
     fn what_is_no_number_is_black() {
-        for curve in [Curve::Clip, Curve::Filmic] {
+        for curve in Curve::ALL {
             let display = Display { curve, ..PLAIN };
-            assert_eq!(display.encode([f32::NAN, f32::NEG_INFINITY, -1.0]), [0; 3]);
-            assert_eq!(display.encode([f32::INFINITY; 3]), [255; 3]);
-            assert_eq!(display.encode_16([f32::NAN, -1.0, f32::INFINITY]), [0, 0, 65535]);
+            assert_eq!(display.encode([f32::NAN, f32::NEG_INFINITY, -1.0]), [0; 3], "{curve:?}");
+            assert_eq!(display.encode([f32::INFINITY; 3]), [255; 3], "{curve:?}");
+            assert_eq!(display.encode([0.0; 3]), [0; 3], "{curve:?}");
+            assert_eq!(
+                display.encode_16([f32::NAN, -1.0, f32::INFINITY]),
+                [0, 0, 65535],
+                "{curve:?}"
+            );
         }
     }
 
-    /// More light never shows darker, over all half-precision values.
+    /// More light never shows darker, grey stays grey to the last bit, and whatever comes in, in
+    /// whatever mixture, a number between 0 and 1 goes out: over all half-precision values.
+    #[test]
+    fn every_curve_is_monotone_grey_and_finite_over_all_halves() {
+        for curve in Curve::ALL {
+            let mut last = 0.0;
+            for value in halves() {
+                let rising = value.is_sign_positive();
+                let [r, g, b] = curve.apply([value; 3]);
+                assert!(r == g && g == b, "{curve:?} of {value}: {r} {g} {b}");
+                if rising && !value.is_nan() {
+                    // The curves' own arithmetic is good to a few units in the last place.
+                    assert!(r >= last - 3e-7, "{curve:?} {value}: {r} after {last}");
+                    last = r.max(last);
+                }
+                for mixture in [[value, 0.0, 1.0], [0.2, value, f32::MAX], [f32::NAN, 5.0, value]] {
+                    let shown = curve.apply(mixture);
+                    assert!(
+                        shown.iter().all(|c| (0.0..=1.0).contains(c)),
+                        "{mixture:?}: {shown:?}"
+                    );
+                }
+            }
+            assert_eq!(curve.apply([65504.0; 3]), [1.0; 3], "{curve:?}");
+        }
+    }
+
+    /// Bytes never fall as light rises.
     #[test]
     fn brighter_light_is_never_darker() {
-        for curve in [Curve::Clip, Curve::Filmic] {
+        for curve in Curve::ALL {
             let display = Display { curve, ..PLAIN };
-            let mut last = 0;
-            for half in 0..0x7c00_u32 {
-                // A positive half in single precision: exponent and mantissa moved over.
-                let value = f32::from_bits(half << 13) * f32::from_bits(0x7780_0000);
-                let [shown, ..] = display.encode([value; 3]);
-                assert!(shown >= last, "{curve:?} {value}");
-                last = shown;
+            let shown = halves().take(0x7c01).map(|value| display.encode([value; 3])[0]);
+            let shown: Vec<u8> = shown.collect();
+            assert!(shown.is_sorted(), "{curve:?}");
+            assert_eq!((shown[0], shown[0x7c00]), (0, 255), "{curve:?}");
+        }
+    }
+
+    /// The examples in docs/conventions.md are true.
+    #[test]
+    fn documented_examples_are_true() {
+        let docs = include_str!("../../../docs/conventions.md");
+        let (_, table) = docs.split_once("| Light | Exposure | Curve | Byte |").expect("a table");
+        let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+        let mut count = 0;
+        for row in rows {
+            let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+            let [_, light, exposure, curve, byte, ..] = cells[..] else { panic!("{row}") };
+            let name = |c: &Curve| format!("{c:?}").to_lowercase() == curve;
+            let curve = Curve::ALL.into_iter().find(name).expect(row);
+            let display = Display { exposure: exposure.parse().expect(row), curve };
+            let byte: u8 = byte.parse().expect(row);
+            assert_eq!(display.encode([light.parse().expect(row); 3]), [byte; 3], "{row}");
+            count += 1;
+        }
+        assert_eq!(count, 10);
+    }
+
+    /// The curves go where their definitions, written out in f64 with the full matrices, say.
+    #[test]
+    #[expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
+    fn curves_have_the_values_of_their_definitions() {
+        let times = |m: [[f64; 3]; 3], v: [f64; 3]| {
+            m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+        };
+        let aces = |v: [f64; 3]| {
+            let v = times(
+                [
+                    [0.59719, 0.35458, 0.04823],
+                    [0.076, 0.90834, 0.01566],
+                    [0.0284, 0.13383, 0.83777],
+                ],
+                v,
+            );
+            let v = v.map(|x| {
+                (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.432951) + 0.238081)
+            });
+            times(
+                [
+                    [1.60475, -0.53108, -0.07367],
+                    [-0.10208, 1.10813, -0.00605],
+                    [-0.00327, -0.07276, 1.07602],
+                ],
+                v,
+            )
+        };
+        // Each side of the sigmoid on its own: s such that slope X / (1 + (slope X / s)^p)^(1/p) = Y.
+        let agx = |v: [f64; 3]| {
+            let inset = [
+                [0.842479062253094, 0.0784335999999992, 0.0792237451477643],
+                [0.0423282422610123, 0.878468636469772, 0.0791661274605434],
+                [0.0423756549057051, 0.0784336, 0.879142973793104],
+            ];
+            let (slope, p, grey_in, grey_out) = (2.4, 1.5, 10.0 / 16.5, 0.18_f64.powf(1.0 / 2.4));
+            let curve = |x: f64| {
+                let x = ((x / 0.18).log2().clamp(-10.0, 6.5) + 10.0) / 16.5;
+                let (sign, far, high) = if x > grey_in {
+                    (1.0, 1.0 - grey_in, 1.0 - grey_out)
+                } else {
+                    (-1.0, grey_in, grey_out)
+                };
+                let s = slope * far / ((slope * far / high).powf(p) - 1.0).powf(1.0 / p);
+                let t = slope * (x - grey_in).abs();
+                grey_out + sign * t / (1.0 + (t / s).powf(p)).powf(1.0 / p)
+            };
+            let outset = [
+                [1.19687900512017, -0.0980208811401368, -0.0990297440797205],
+                [-0.0528968517574562, 1.15190312990417, -0.0989611768448433],
+                [-0.0529716355144438, -0.0980434501171241, 1.15107367264116],
+            ];
+            times(outset, times(inset, v).map(curve)).map(|c| c.clamp(0.0, 1.0).powf(2.4))
+        };
+        let reinhard = |v: [f64; 3]| {
+            let l = 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
+            v.map(|c| c * (l * (1.0 + l / 64.0) / (1.0 + l)) / l)
+        };
+        for rgb in
+            [[0.18; 3], [1.0, 0.5, 0.1], [0.01, 0.02, 0.9], [4.0, 3.0, 0.5], [30.0, 1.0, 2.0]]
+        {
+            let wide = rgb.map(f64::from);
+            let cases = [
+                (Curve::Reinhard, reinhard(wide)),
+                (Curve::Aces, aces(wide)),
+                (Curve::Agx, agx(wide)),
+            ];
+            for (curve, expected) in cases {
+                for (got, expected) in curve.apply(rgb).into_iter().zip(expected) {
+                    let expected = expected.clamp(0.0, 1.0);
+                    // The published matrices' rows add up to 1 to four digits only.
+                    assert!(
+                        (f64::from(got) - expected).abs() < 5e-4,
+                        "{curve:?} {rgb:?}: {got} {expected}"
+                    );
+                }
             }
-            assert_eq!(last, 255);
+        }
+        // What people look for: middle grey, and where white is.
+        assert_eq!(Display { curve: Curve::Agx, ..PLAIN }.encode([0.18; 3]), [118; 3]);
+        assert_eq!(Display { curve: Curve::Reinhard, ..PLAIN }.encode([8.0; 3]), [255; 3]);
+        for (light, end) in [(0.18 * 90.6, 1.0), (0.0, 0.0), (0.18, 0.489_437_1)] {
+            assert!((agx_sigmoid(light) - end).abs() < 1e-6, "{light}: {}", agx_sigmoid(light));
         }
     }
 

@@ -43,6 +43,7 @@ pub mod color;
 mod cpu;
 pub mod display;
 pub mod film;
+pub mod focus;
 mod id;
 pub mod image;
 mod integrator;

@@ -161,6 +161,40 @@ impl Prepared {
         flat.smoothed(normal, corners)
     }
 
+    /// How much the shading normal at `hit` changes over a `step` along the surface, times the
+    /// step's length: zero where the surface is flat and looks it.
+    pub(crate) fn normal_change(&self, hit: &Hit, step: DVec3) -> DVec3 {
+        let triangles = self.surfaces.triangles();
+        let Some(vertices) = triangles.get(hit.primitive as usize) else {
+            let sphere = self.surfaces.spheres().get(hit.primitive as usize - triangles.len());
+            return sphere.map_or(DVec3::ZERO, |sphere| step / f64::from(sphere.radius));
+        };
+        let object = self.object(hit);
+        let Some(first_normal) = object.first_normal else { return DVec3::ZERO };
+        let [a, b, c] = vertices.map(|v| {
+            let normal = self.normals[(v - object.first_vertex + first_normal) as usize];
+            (self.surfaces.positions()[v as usize].as_dvec3(), normal.as_dvec3())
+        });
+
+        // The step as parts of two edges.
+        let (p, q) = (b.0 - a.0, c.0 - a.0);
+        let (pp, pq, qq) = (p.dot(p), p.dot(q), q.dot(q));
+        let (sp, sq, area2) = (step.dot(p), step.dot(q), pp * qq - pq * pq);
+        let (u, v) = ((qq * sp - pq * sq) / area2, (pp * sq - pq * sp) / area2);
+        let (along_p, along_q) = (b.1 - a.1, c.1 - a.1);
+        let normal = a.1 + along_p * f64::from(hit.u) + along_q * f64::from(hit.v);
+        let change = along_p * u + along_q * v;
+
+        // What of it turns the unit normal.
+        let length = normal.length();
+        if length == 0.0 {
+            return DVec3::ZERO;
+        }
+        let unit = normal / length;
+        let front = if unit.dot(hit.normal.as_dvec3()) < 0.0 { -1.0 } else { 1.0 };
+        (change - unit * change.dot(unit)) * (front / length)
+    }
+
     /// Texture coordinates at a hit: interpolated where the mesh has some, else the hit's own
     /// parameters (barycentric weights for triangles).
     pub fn uv(&self, hit: &Hit) -> Vec2 {
@@ -207,6 +241,7 @@ impl Prepared {
         match &self.emitters[number] {
             Emitter::Environment(sky) => Some((number, sky)),
             Emitter::Point(_)
+            | Emitter::Spot(_)
             | Emitter::Distant(_)
             | Emitter::Triangle(_)
             | Emitter::Parallelogram(_)

@@ -8,13 +8,12 @@ use common::{assert_mean, mean, render, small};
 use rutilant::bsdf::Fresnel;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
-use rutilant::film::Filter;
 use rutilant::geom::{Transform, Vec2, Vec3};
-use rutilant::light::{Environment, Light};
+use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Mirror, Mix};
 use rutilant::scene::Scene;
 use rutilant::settings::{
-    Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
+    Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
 };
 use rutilant::shape::{Mesh, Object, Shape};
 use std::f64::consts::PI;
@@ -210,7 +209,16 @@ fn sphere_light_over_a_plane() {
 /// A point light over a plane: E = I cos θ / d². So too from the distant light.
 #[test]
 fn lights_without_surface_over_a_plane() {
+    let spot = Light::Spot {
+        position: Vec3::new(0.0, 2.0, 0.0),
+        direction: Vec3::NEG_Y,
+        light: SpotLight::Power(Rgb::grey(24.0)),
+        inner: 0.0,
+        outer: std::f32::consts::PI,
+    };
     let lights = [
+        // A smoothstep over the whole sphere is a half on average: 24 W are 24 / 2π W/sr ahead.
+        (spot, 24.0 / (2.0 * PI) / 4.0),
         (Light::Point { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::grey(8.0) }, 2.0),
         (
             Light::Directional { direction: Vec3::new(3.0, -4.0, 0.0), irradiance: Rgb::grey(5.0) },
@@ -366,54 +374,6 @@ fn cameras_stand_in_media_as_well() {
         let (mean, _) = mean(&image, "G");
         assert!((mean - (-0.5_f64).exp()).abs() < 1e-3, "{integrator:?}: {mean}");
     }
-}
-
-/// A point off the focal plane becomes a disk: of radius A |d − f| / (f d) on a film at distance
-/// 1, and with the second moment R²/4 along each axis. A square lens would give s²/12.
-#[test]
-fn blur_spot_is_a_disk() {
-    let (aperture, focus, distance, source) = (0.1_f64, 2.0_f64, 4.0_f64, 0.008_f64);
-    let fov = 0.2_f64;
-    let mut camera = Perspective::look_at(Vec3::ZERO, Vec3::NEG_Z, fov as f32).unwrap();
-    camera.aperture_radius = aperture as f32;
-    camera.focus_distance = focus as f32;
-    let mut scene = Scene::new(camera);
-    let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
-    let far = Transform::translate(Vec3::new(0.0, 0.0, -distance as f32));
-    let disk = Shape::Disk { radius: source as f32 };
-    scene.objects.push(Object::new(disk, lamp).transformed(&far));
-    let (size, middle) = (256_u32, 96_u32);
-    let first = (size - middle) / 2;
-    let settings = Settings {
-        size: [size; 2],
-        crop: Some(Crop { x: first, y: first, width: middle, height: middle }),
-        spp: 1024,
-        max_depth: Some(1),
-        filter: Filter::Box { radius: 0.5 },
-        ..Settings::default()
-    };
-    let image = render(&scene, settings);
-    let values = image.channel("R").unwrap();
-    let from_center = |i: usize| {
-        let to = |k: usize| k as f64 + 0.5 - 0.5 * f64::from(middle);
-        (to(i % middle as usize), to(i / middle as usize))
-    };
-    let lit = || values.iter().enumerate().map(|(i, &v)| (from_center(i), f64::from(v)));
-    let total: f64 = lit().map(|(_, v)| v).sum();
-
-    let pixels_per_unit = f64::from(size) / (2.0 * (0.5 * fov).tan());
-    let radius = aperture * (distance - focus) / (focus * distance) * pixels_per_unit;
-    let own = source / distance * pixels_per_unit;
-    // The source's own disk and the pixel's square add their moments.
-    let along_x = lit().map(|((x, _), v)| v * x * x).sum::<f64>() / total;
-    let along_y = lit().map(|((_, y), v)| v * y * y).sum::<f64>() / total;
-    for moment in [along_x, along_y] {
-        let measured = (4.0 * (moment - 1.0 / 12.0) - own * own).sqrt();
-        assert!((measured / radius - 1.0).abs() < 0.01, "radius {measured}, expected {radius}");
-    }
-    // It is evenly lit: half the radius holds a quarter of the light.
-    let inner = lit().filter(|((x, y), _)| x.hypot(*y) < 0.5 * radius).map(|(_, v)| v).sum::<f64>();
-    assert!((inner / total - 0.25).abs() < 0.01, "{} of the light in the middle", inner / total);
 }
 
 /// Depth counts segments: 1 is emission alone, 2 direct light, which a separate integrator gives too.

@@ -18,7 +18,7 @@ use std::time::Duration;
 /// Some of everything: glass, a lamp, a sky, a floor, a lens.
 fn scene() -> Arc<Prepared> {
     let mut camera = Perspective::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8).unwrap();
-    camera.aperture_radius = 0.05;
+    camera.lens.aperture_radius = 0.05;
     let mut scene = Scene::new(camera);
     scene.environment = Some(Environment::constant(Rgb::new(0.2, 0.3, 0.5)));
     let floor = scene.add_material(Matte { albedo: Rgb::new(0.7, 0.6, 0.5) });

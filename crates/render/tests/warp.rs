@@ -1,5 +1,7 @@
 //! Proofs over all maps from the unit square. A new one joins by a line.
 
+#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
+
 mod common;
 
 use common::{chi_square, family_wise, random};
@@ -67,6 +69,39 @@ fn disks_are_covered_evenly() {
     );
 }
 
+/// Points of a polygon are spread evenly and stay within it: the means are 0, the mean squares
+/// (1 − ⅔ sin²(π/n)) / 4, and each of its triangles gets its share.
+#[test]
+fn polygons_are_covered_evenly() {
+    let n = 400_000_u64;
+    for corners in [3_u32, 4, 5, 6, 17] {
+        let wedge = 2.0 * std::f64::consts::PI / f64::from(corners);
+        let (mut mean, mut square, mut shares) = ([0.0; 2], [0.0; 2], vec![0.0; corners as usize]);
+        for i in 0..n {
+            let p = warp::concentric_polygon(random(3, i).1, corners);
+            let (x, y) = (f64::from(p.x), f64::from(p.y));
+            for (k, v) in [x, y].into_iter().enumerate() {
+                mean[k] += v / n as f64;
+                square[k] += v * v / n as f64;
+            }
+            // From the corner at the top, counter-clockwise.
+            let angle = (-x).atan2(y).rem_euclid(2.0 * std::f64::consts::PI);
+            let which = (angle / wedge) as usize;
+            shares[which.min(corners as usize - 1)] += 1.0 / n as f64;
+            let middle = (which as f64 + 0.5) * wedge;
+            let height = y * middle.cos() - x * middle.sin();
+            assert!(height <= (0.5 * wedge).cos() + 1e-6, "{p} is outside {corners} corners");
+        }
+        let expected = 0.25 * (1.0 - 2.0 / 3.0 * (0.5 * wedge).sin().powi(2));
+        // A square's spread is at most 1/4, a mean's variance at most that of a coordinate.
+        let four_sigma = 4.0 * (0.25 / n as f64).sqrt();
+        assert!(mean.iter().all(|m| m.abs() < four_sigma), "{corners}: {mean:?}");
+        assert!(square.iter().all(|s| (s - expected).abs() < four_sigma), "{corners}: {square:?}");
+        let share = 1.0 / f64::from(corners);
+        assert!(shares.iter().all(|s| (s - share).abs() < four_sigma), "{corners}: {shares:?}");
+    }
+}
+
 /// The corners, edges and centre of the square give points that are numbers.
 #[test]
 fn edges_of_the_square_are_finite() {
@@ -75,6 +110,7 @@ fn edges_of_the_square_are_finite() {
         for y in [0.0, 0.5, 0.75, below_one] {
             let u = Vec2::new(x, y);
             assert!(warp::concentric_disk(u).is_finite() && warp::uniform_triangle(u).is_finite());
+            assert!(warp::concentric_polygon(u, 5).length() <= 1.0 + 1e-6);
             for d in
                 [warp::cosine_hemisphere(u), warp::uniform_sphere(u), warp::uniform_hemisphere(u)]
             {

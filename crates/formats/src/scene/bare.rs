@@ -6,7 +6,7 @@ use super::loaded::LoadedScene;
 use super::mesh_file;
 use crate::error::SceneError;
 use crate::options::ReadOptions;
-use rutilant::camera::Perspective;
+use rutilant::camera::{Lens, Perspective};
 use rutilant::color::Rgb;
 use rutilant::light::Environment;
 use rutilant::material::{Material, Matte};
@@ -67,7 +67,6 @@ pub(super) fn empty() -> Scene {
     Scene::new(Perspective {
         world_from_camera: Transform::IDENTITY,
         fov_y: 1.0,
-        aperture_radius: 0.0,
-        focus_distance: 1.0,
+        lens: Lens::pinhole(1.0),
     })
 }

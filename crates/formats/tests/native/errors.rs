@@ -37,7 +37,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[[material]]\nname = \"a\"\n", r#"8:1: [[material]] needs "type""#),
     (
         "[render]\nposition = [0, 0, 1]\nspp = 2",
-        r#"9:1: no key "position" in [render], only in [camera] or a point light"#,
+        r#"9:1: no key "position" in [render], only in [camera] or a point light or a spot"#,
     ),
     (
         "[render]\nversion = 1",
@@ -100,6 +100,7 @@ const MISTAKES: &[(&str, &str)] = &[
         "[render]\nintegrator = \"photon mapping\"",
         r#"9:14: no integrator "photon mapping"; there are path, naive, direct, ao, normals, albedo, depth"#,
     ),
+    ("[render]\ncurve = \"agxx\"", r#"9:9: no curve "agxx"; did you mean "agx"?"#),
     ("[[light]]\ntype = \"pint\"", r#"9:8: no light type "pint"; did you mean "point"?"#),
     (
         "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"gray\"",
@@ -280,6 +281,46 @@ const MISTAKES: &[(&str, &str)] = &[
         "10:13: direction has no length",
     ),
     (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\n",
+        r#"8:1: a spot needs "direction" or "look_at""#,
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\n",
+        r#"8:1: a spot needs "intensity" or "power""#,
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 1]\nintensity = 1",
+        "11:11: look_at is where the light itself is",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\ndirection = [0, 0, 0]\nintensity = 1",
+        "11:13: direction has no length",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nintensity = 1\npower = 1",
+        "13:9: give intensity or power, not both",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = -1",
+        "12:9: power is -1, but must be 0 or more",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nouter_degrees = 0",
+        "13:17: outer_degrees is 0, but must lie between 0.01 and 180",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nouter_degrees = 30\ninner_degrees = 40",
+        "14:17: inner_degrees is 40, but must lie between 0 and outer_degrees, 30",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\ninner_degrees = -1",
+        "13:17: inner_degrees is -1, but must lie between 0 and outer_degrees, 45",
+    ),
+    (
+        "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nradius = 1",
+        r#"13:1: no key "radius" in a spot, only in a sphere or disk"#,
+    ),
+    (
         "[[light]]\ntype = \"point\"\nposition = [0, 0, 0]",
         r#"8:1: a point light needs "intensity""#,
     ),
@@ -329,6 +370,78 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_distance = 1\nfocus_at = [0, 0, 0]",
         "6:12: give focus_distance or focus_at, not both",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"fisheye\"",
+        r#"5:8: no camera type "fisheye"; there are perspective, orthographic, equirectangular"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"orthographic\"",
+        r#"2:1: an orthographic [camera] needs "height""#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"orthographic\"\nheight = 0",
+        "6:10: height is 0, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"orthographic\"\nheight = 1\nf_number = 2",
+        r#"7:1: no key "f_number" in an orthographic [camera], only in a perspective [camera]"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\ntype = \"equirectangular\"\nblades = 6",
+        r#"6:1: no key "blades" in an equirectangular [camera], only in a perspective or orthographic [camera]"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nheight = 2",
+        r#"5:1: no key "height" in [camera], only in an orthographic [camera]"#,
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocal_length_mm = 0",
+        "5:19: focal_length_mm is 0, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocal_length_mm = 50\nfov_degrees = 40",
+        "6:15: give focal_length_mm or fov_degrees, not both",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nsensor_height_mm = 24",
+        "5:20: sensor_height_mm needs a focal_length_mm or an f_number",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 2\nsensor_height_mm = -24",
+        "6:20: sensor_height_mm is -24, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nblades = 6",
+        "5:10: blades needs an aperture_radius or an f_number",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\nblades = 2",
+        "6:10: blades is 2, but must be 0 for a round lens, or lie between 3 and 100",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\nblades = 5.5",
+        "6:10: blades must be a whole number, 0 or more, not the number 5.5",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\nblade_rotation_degrees = 9",
+        "6:26: blade_rotation_degrees needs blades: a round lens has no corners",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\naperture_radius = 1\naperture_ratio = 0",
+        "6:18: aperture_ratio is 0, but must lie between 0.01 and 100",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_on = [800, 20]",
+        "5:12: focus_on is 800,20, but the picture has 800x600 pixels, from 0,0 on",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_on = [4.5, 20]",
+        "5:13: focus_on must be two whole numbers [x, y], not the number 4.5",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_on = [4, 20]\nfocus_at = [0, 0, 0]",
+        "6:12: give focus_on or focus_at, not both",
     ),
     (
         "version = 1\n[camera]\nposition = [0, 0, 1e38]\nlook_at = [0, 0, -3e38]",

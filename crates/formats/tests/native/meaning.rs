@@ -2,11 +2,11 @@
 
 use crate::{HEAD, documented_example, parse};
 use rutilant::bsdf::Fresnel;
-use rutilant::camera::Camera;
+use rutilant::camera::{Camera, Lens};
 use rutilant::color::Rgb;
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
-use rutilant::light::{EnvironmentLight, Light};
+use rutilant::light::{EnvironmentLight, Light, SpotLight};
 use rutilant::material::{Absorption, EmittedLight, MaterialKind};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{
@@ -14,7 +14,7 @@ use rutilant::settings::{
 };
 use rutilant::shape::Shape;
 use rutilant_formats::LoadedScene;
-use rutilant_geom::Vec3;
+use rutilant_geom::{Vec2, Vec3};
 
 /// What stands after [`HEAD`], read.
 fn read(text: &str) -> LoadedScene {
@@ -48,13 +48,18 @@ fn the_documented_example_means_what_it_says() {
     };
     assert_eq!(settings, expected);
 
-    let Camera::Perspective(camera) = scene.camera;
+    let Camera::Perspective(camera) = scene.camera else { panic!("{:?}", scene.camera) };
     assert!(near(camera.world_from_camera.translation(), [0.0, 1.2, 4.0]));
     assert_eq!(camera.fov_y, 35_f32.to_radians());
     // Half of 24 mm over tan 17.5° is 38.06 mm; a quarter of that is the lens, half again its radius.
-    assert!((camera.aperture_radius - 0.038_06 / 8.0).abs() < 1e-6, "{}", camera.aperture_radius);
+    assert!(
+        (camera.lens.aperture_radius - 0.038_06 / 8.0).abs() < 1e-6,
+        "{}",
+        camera.lens.aperture_radius
+    );
+    assert_eq!((camera.lens.blades, camera.lens.aperture_ratio), (7, 1.0));
     // (0, -0.7, -3.5) projected on (0, -0.7, -4) / √16.49.
-    assert!((camera.focus_distance - 14.49 / 16.49_f32.sqrt()).abs() < 1e-5);
+    assert!((camera.lens.focus_distance - 14.49 / 16.49_f32.sqrt()).abs() < 1e-5);
 
     let sky = scene.environment.expect("a sky");
     let EnvironmentLight::Constant(Rgb([r, g, b])) = sky.light else { panic!("{sky:?}") };
@@ -98,6 +103,9 @@ fn the_documented_example_means_what_it_says() {
     assert!(near(pyramid.point(Vec3::new(1.0, 0.0, 1.0)), [0.5, 0.0, 1.5]));
     let Light::Directional { irradiance, .. } = scene.lights[0] else { panic!("no sun") };
     assert_eq!(irradiance, Rgb::grey(1.5));
+    let Light::Spot { light, direction, .. } = scene.lights[1] else { panic!("no spot") };
+    assert_eq!(light, SpotLight::Power(Rgb::grey(40.0)));
+    assert!(near(direction, [1.3, -2.5, -2.0]));
 }
 
 /// What is not said has the documented default.
@@ -107,10 +115,68 @@ fn an_almost_empty_scene_has_the_defaults() {
         parse("version = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]").expect("a scene");
     assert_eq!(settings, Settings::default());
     assert_eq!(display, Display { exposure: 0.0, curve: Curve::Clip });
-    let Camera::Perspective(camera) = scene.camera;
+    let Camera::Perspective(camera) = scene.camera else { panic!("{:?}", scene.camera) };
     assert_eq!(camera.fov_y, 45_f32.to_radians());
-    assert_eq!((camera.aperture_radius, camera.focus_distance), (0.0, 5.0));
+    assert_eq!((camera.lens.aperture_radius, camera.lens.focus_distance), (0.0, 5.0));
     assert!(scene.environment.is_none() && scene.objects.is_empty() && notes.is_empty());
+}
+
+/// Cameras of every type, with lenses as photographers describe them.
+#[test]
+fn cameras_have_types_and_lenses() {
+    let camera = |lines: &str| {
+        let head = "version = 1\nrender.size = [640, 480]\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]\n";
+        parse(&format!("{head}{lines}")).expect(lines).scene.camera
+    };
+    let perspective = |lines: &str| match camera(lines) {
+        Camera::Perspective(camera) => camera,
+        other => panic!("{other:?}"),
+    };
+    // The report's camera: tan of half the angle is a half.
+    assert!((perspective("fov_degrees = 53.13").fov_y - 2.0 * 0.5_f32.atan()).abs() < 1e-5);
+    // 24 mm of film, and 15.6 mm of a smaller sensor, behind 50 mm.
+    for (sensor, height) in [("", 24.0_f32), ("\nsensor_height_mm = 15.6", 15.6)] {
+        let camera = perspective(&format!("focal_length_mm = 50\nf_number = 2{sensor}"));
+        assert!((camera.fov_y - 2.0 * (0.5 * height / 50.0).atan()).abs() < 1e-6, "{camera:?}");
+        assert!((camera.lens.aperture_radius - 0.0125).abs() < 1e-7, "{camera:?}");
+    }
+    let lens = "aperture_radius = 0.1\nblades = 6\nblade_rotation_degrees = 90\naperture_ratio = 2\nfocus_on = [639, 0]";
+    let expected = Lens {
+        aperture_radius: 0.1,
+        focus_distance: 5.0,
+        focus_on: Some(Vec2::new(639.5 / 640.0, 0.5 / 480.0)),
+        blades: 6,
+        blade_rotation: std::f32::consts::FRAC_PI_2,
+        aperture_ratio: 2.0,
+    };
+    assert_eq!(perspective(lens).lens, expected);
+    match camera(&format!("type = \"orthographic\"\nheight = 3\n{lens}")) {
+        Camera::Orthographic(camera) => assert_eq!((camera.height, camera.lens), (3.0, expected)),
+        other => panic!("{other:?}"),
+    }
+    assert!(matches!(camera("type = \"equirectangular\""), Camera::Equirectangular(_)));
+}
+
+/// Spots shine where they are told, into the cones of glTF where none are given.
+#[test]
+fn spots_have_cones() {
+    let spot = |lines: &str| {
+        let text = format!("[[light]]\ntype = \"spot\"\nposition = [1, 2, 3]\n{lines}");
+        read(&text).scene.lights[0]
+    };
+    let expected = |direction: [f32; 3], light, degrees: [f32; 2]| {
+        let [inner, outer] = degrees.map(f32::to_radians);
+        let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), direction.into());
+        Light::Spot { position, direction, light, inner, outer }
+    };
+    assert_eq!(
+        spot("look_at = [1, 0, 3]\nintensity = [1, 2, 3]"),
+        expected([0.0, -2.0, 0.0], SpotLight::Intensity(Rgb::new(1.0, 2.0, 3.0)), [0.0, 45.0])
+    );
+    assert_eq!(
+        spot("direction = [1, 0, 3]\npower = 5\nouter_degrees = 30\ninner_degrees = 20"),
+        expected([1.0, 0.0, 3.0], SpotLight::Power(Rgb::grey(5.0)), [20.0, 30.0])
+    );
 }
 
 /// Every name of every setting.
@@ -139,6 +205,16 @@ fn settings_have_names() {
         ("filter_radius = 3", Filter::BlackmanHarris { radius: 3.0 }),
     ] {
         assert_eq!(get(line).filter, filter);
+    }
+    for (name, curve) in [
+        ("clip", Curve::Clip),
+        ("filmic", Curve::Filmic),
+        ("reinhard", Curve::Reinhard),
+        ("aces", Curve::Aces),
+        ("agx", Curve::Agx),
+    ] {
+        let text = format!("[render]\ncurve = \"{name}\"");
+        assert_eq!(read(&text).display.curve, curve);
     }
     assert_eq!(get("sampler = \"independent\"").sampler, SamplerKind::Independent);
     assert_eq!(get("strategy = \"light\"").strategy, Strategy::LightOnly);
@@ -280,7 +356,7 @@ fn a_missing_camera_is_chosen() {
     for size in ["[400, 300]", "[300, 400]"] {
         let LoadedScene { scene, settings, notes, .. } = scene(size);
         assert_eq!(notes.len(), 1, "{notes:?}");
-        let Camera::Perspective(camera) = scene.camera;
+        let Camera::Perspective(camera) = scene.camera else { panic!("{:?}", scene.camera) };
         let camera_from_world = camera.world_from_camera.inverse().expect("a pose");
         let half_height = (0.5 * camera.fov_y).tan();
         let half_width = half_height * settings.size[0] as f32 / settings.size[1] as f32;

@@ -130,7 +130,7 @@ fn meshes_are_scenes() {
         assert!(notes.iter().any(|n| n.contains("matte grey stands in")), "{notes:?}");
         let Some(Environment { light, .. }) = scene.environment else { panic!("no sky") };
         assert_eq!(light, EnvironmentLight::Constant(Rgb::WHITE));
-        let Camera::Perspective(camera) = scene.camera;
+        let Camera::Perspective(camera) = scene.camera else { panic!("{:?}", scene.camera) };
         let eye = camera.world_from_camera.translation();
         assert!(eye.x > 0.0 && eye.y > 0.0 && eye.z > 1.0, "{eye}");
     }

@@ -1,18 +1,32 @@
 //! The eye: which ray each point of the film sees along.
 
+mod equirectangular;
+mod lens;
+mod orthographic;
 mod perspective;
+mod pose;
 
+pub use equirectangular::Equirectangular;
+pub use lens::Lens;
+pub use orthographic::Orthographic;
 pub use perspective::Perspective;
-pub(crate) use perspective::PreparedPerspective;
 
 use crate::problem::SceneProblem;
-use rutilant_geom::{Ray, Vec2};
+use equirectangular::PreparedEquirectangular;
+use lens::Chief;
+use orthographic::PreparedOrthographic;
+use perspective::PreparedPerspective;
+use rutilant_geom::{Ray, Transform, Vec2, Vec3};
 
 /// A camera as the author describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Camera {
-    /// A pinhole, or a thin lens.
+    /// What is far is small, as for the eye.
     Perspective(Perspective),
+    /// What is far is as large as what is near, as on a plan.
+    Orthographic(Orthographic),
+    /// Everything around, as on a map.
+    Equirectangular(Equirectangular),
 }
 
 impl From<Perspective> for Camera {
@@ -21,32 +35,104 @@ impl From<Perspective> for Camera {
     }
 }
 
+impl From<Orthographic> for Camera {
+    fn from(camera: Orthographic) -> Self {
+        Self::Orthographic(camera)
+    }
+}
+
+impl From<Equirectangular> for Camera {
+    fn from(camera: Equirectangular) -> Self {
+        Self::Equirectangular(camera)
+    }
+}
+
 impl Camera {
+    /// Where it stands; it looks along −z, with +y up.
+    pub fn world_from_camera(&self) -> &Transform {
+        match self {
+            Self::Perspective(c) => &c.world_from_camera,
+            Self::Orthographic(c) => &c.world_from_camera,
+            Self::Equirectangular(c) => &c.world_from_camera,
+        }
+    }
+
+    /// Its lens, where it can have one.
+    pub fn lens(&self) -> Option<&Lens> {
+        match self {
+            Self::Perspective(c) => Some(&c.lens),
+            Self::Orthographic(c) => Some(&c.lens),
+            Self::Equirectangular(_) => None,
+        }
+    }
+
+    /// Its lens, to be changed.
+    pub fn lens_mut(&mut self) -> Option<&mut Lens> {
+        match self {
+            Self::Perspective(c) => Some(&mut c.lens),
+            Self::Orthographic(c) => Some(&mut c.lens),
+            Self::Equirectangular(_) => None,
+        }
+    }
+
     pub(crate) fn validate(&self) -> Result<(), SceneProblem> {
         match self {
             Self::Perspective(c) => c.validate(),
+            Self::Orthographic(c) => c.validate(),
+            Self::Equirectangular(c) => c.validate(),
         }
     }
 
     /// The ray from the middle of the lens through the middle of the picture.
     pub(crate) fn axis(&self) -> Ray {
-        match self {
-            Self::Perspective(c) => c.axis(),
-        }
+        let pose = self.world_from_camera();
+        Ray::new(pose.translation(), pose.vector(Vec3::NEG_Z).normalize())
+    }
+
+    /// The rays through all of the lens that see the point `film`, in pixels, of a film of `size`
+    /// pixels; `None` without a lens.
+    pub(crate) fn beam(&self, size: [u32; 2], film: Vec2) -> Option<Beam> {
+        let chief = match self.prepare(size) {
+            PreparedCamera::Perspective(c) => c.chief(film),
+            PreparedCamera::Orthographic(c) => c.chief(film),
+            PreparedCamera::Equirectangular(_) => return None,
+        };
+        let (Chief { origin, direction }, pose) = (chief, self.world_from_camera());
+        Some(Beam {
+            origin: pose.point(origin),
+            direction: pose.vector(direction),
+            lens_axes: [Vec3::X, Vec3::Y].map(|axis| pose.vector(axis)),
+        })
     }
 
     /// This camera on a film of `size` pixels.
     pub(crate) fn prepare(&self, size: [u32; 2]) -> PreparedCamera {
         match self {
             Self::Perspective(c) => PreparedCamera::Perspective(c.prepare(size)),
+            Self::Orthographic(c) => PreparedCamera::Orthographic(c.prepare(size)),
+            Self::Equirectangular(c) => PreparedCamera::Equirectangular(c.prepare(size)),
         }
     }
+}
+
+/// All rays through a lens that meet in one point. That `offset` metres from the middle along a
+/// lens axis starts at `origin + offset · axis` and runs along `direction − offset / focus · axis`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beam {
+    /// The middle of the lens.
+    pub(crate) origin: Vec3,
+    /// Along the middle ray, to the plane at distance 1.
+    pub(crate) direction: Vec3,
+    /// To the right and up.
+    pub(crate) lens_axes: [Vec3; 2],
 }
 
 /// A camera that knows its film.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PreparedCamera {
     Perspective(PreparedPerspective),
+    Orthographic(PreparedOrthographic),
+    Equirectangular(PreparedEquirectangular),
 }
 
 impl PreparedCamera {
@@ -55,6 +141,8 @@ impl PreparedCamera {
     pub(crate) fn ray(&self, film: Vec2, u: Vec2) -> Ray {
         match self {
             Self::Perspective(c) => c.ray(film, u),
+            Self::Orthographic(c) => c.ray(film, u),
+            Self::Equirectangular(c) => c.ray(film),
         }
     }
 }

@@ -6,6 +6,7 @@ use super::environment::EnvironmentEmitter;
 use super::point::PointEmitter;
 use super::sample::{EmitterSample, Glow};
 use super::sphere::SphereEmitter;
+use super::spot::SpotEmitter;
 use super::triangle::{ParallelogramEmitter, TriangleEmitter};
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
@@ -15,6 +16,8 @@ use rutilant_geom::{Vec2, Vec3};
 pub enum Emitter {
     /// A point.
     Point(PointEmitter),
+    /// A point that shines into a cone.
+    Spot(SpotEmitter),
     /// A direction.
     Distant(DistantEmitter),
     /// A glowing triangle.
@@ -34,6 +37,7 @@ impl Emitter {
     pub fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
         match self {
             Self::Point(e) => e.sample(from),
+            Self::Spot(e) => e.sample(from),
             Self::Distant(e) => Some(e.sample()),
             Self::Triangle(e) => e.sample(from, u),
             Self::Parallelogram(e) => e.sample(from, u),
@@ -48,7 +52,7 @@ impl Emitter {
     /// Both are unused by lights at infinity. Zero for lights that no ray can meet.
     pub fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
         match self {
-            Self::Point(_) | Self::Distant(_) => 0.0,
+            Self::Point(_) | Self::Spot(_) | Self::Distant(_) => 0.0,
             Self::Triangle(e) => e.pdf(from, wi, position, normal),
             Self::Parallelogram(e) => e.pdf(from, wi, position, normal),
             Self::Disk(e) => e.pdf(from, wi, position, normal),
@@ -60,7 +64,7 @@ impl Emitter {
     /// The light of a surface that rays can meet; `None` for lights without a surface.
     pub fn glow(&self) -> Option<&Glow> {
         match self {
-            Self::Point(_) | Self::Distant(_) | Self::Environment(_) => None,
+            Self::Point(_) | Self::Spot(_) | Self::Distant(_) | Self::Environment(_) => None,
             Self::Triangle(e) => Some(e.glow()),
             Self::Parallelogram(e) => Some(e.glow()),
             Self::Disk(e) => Some(e.glow()),
@@ -72,6 +76,7 @@ impl Emitter {
     pub fn power(&self, scene_radius: f32) -> Spectrum {
         match self {
             Self::Point(e) => e.power(),
+            Self::Spot(e) => e.power(),
             Self::Distant(e) => e.power(scene_radius),
             Self::Triangle(e) => e.power(),
             Self::Parallelogram(e) => e.power(),
@@ -86,6 +91,7 @@ impl Emitter {
         match self {
             Self::Distant(_) | Self::Environment(_) => true,
             Self::Point(_)
+            | Self::Spot(_)
             | Self::Triangle(_)
             | Self::Parallelogram(_)
             | Self::Disk(_)

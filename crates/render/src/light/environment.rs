@@ -1,8 +1,7 @@
 //! Light from infinitely far away, in all directions: a sky.
 //!
-//! A map is a latitude-longitude picture: `u = ½ (1 + atan2(x, −z) / π)` runs to
-//! the right, `v = acos(y) / π` downwards. Between pixel centres its radiance is
-//! interpolated bilinearly, over the seam and over the poles. Directions are
+//! A map is a latitude-longitude picture (`math/lat_long.rs`). Between pixel
+//! centres its radiance is interpolated bilinearly, over the seam and over the poles. Directions are
 //! drawn in proportion to the interpolated luminance times solid angle, pixel
 //! by pixel, so that no place that shines is ever left out.
 //!
@@ -14,10 +13,11 @@ use crate::color::{Rgb, Spectrum};
 use crate::id::ImageId;
 use crate::image::Image;
 use crate::math::distribution::Distribution2d;
+use crate::math::lat_long::{direction_from_uv, uv_from_direction, uv_per_solid_angle};
 use crate::math::warp;
 use crate::problem::{FINITE, NOT_NEGATIVE, Place, SceneProblem};
 use rutilant_geom::{Vec2, Vec3, real};
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::PI;
 
 /// A sky as the author describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,30 +162,6 @@ impl EnvironmentEmitter {
         let (s, c) = self.turn;
         Vec3::new(c * d.x + s * d.z, d.y, -s * d.x + c * d.z)
     }
-}
-
-/// The point of the map that shows a direction; both coordinates in [0, 1).
-fn uv_from_direction(d: Vec3) -> Vec2 {
-    let turn = 0.5 + (0.5 * FRAC_1_PI) * real::atan2(d.x, -d.z);
-    // The angle from +y by both legs: an arc cosine would be blind near the poles.
-    let (height, away) = (d.y, (d.x * d.x + d.z * d.z).sqrt());
-    let down = FRAC_1_PI * real::atan2(away, height);
-    const LAST: f32 = 1.0 - 0.5 * f32::EPSILON;
-    // A full turn is no turn: the seam belongs to the left edge.
-    Vec2::new(if turn >= 1.0 { 0.0 } else { turn.max(0.0) }, down.clamp(0.0, LAST))
-}
-
-/// The unit direction that a point of the map shows.
-fn direction_from_uv(uv: Vec2) -> Vec3 {
-    let (sin_phi, cos_phi) = real::sin_cos(PI * (2.0 * uv.x - 1.0));
-    let (sin_theta, cos_theta) = real::sin_cos(PI * uv.y);
-    Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
-}
-
-/// How much of the map a unit of solid angle covers: 1 / (2 π² sin θ).
-fn uv_per_solid_angle(d: Vec3) -> f32 {
-    let sin_theta = (d.x * d.x + d.z * d.z).sqrt();
-    0.5 * FRAC_1_PI * FRAC_1_PI / sin_theta
 }
 
 /// A latitude-longitude map.

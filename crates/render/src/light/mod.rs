@@ -11,6 +11,7 @@ mod point;
 mod sample;
 mod selection;
 mod sphere;
+mod spot;
 mod triangle;
 
 pub use disk::DiskEmitter;
@@ -21,11 +22,13 @@ pub use point::PointEmitter;
 pub use sample::{EmitterSample, Glow};
 pub use selection::EmitterSelection;
 pub use sphere::SphereEmitter;
+pub use spot::SpotEmitter;
 pub use triangle::{ParallelogramEmitter, TriangleEmitter};
 
-use crate::color::Rgb;
+use crate::color::{Rgb, Spectrum};
 use crate::problem::{FINITE, NOT_NEGATIVE, Place, SceneProblem};
 use rutilant_geom::Vec3;
+use std::f32::consts::PI;
 
 /// A light without a surface. It cannot be seen, only its light can.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +47,28 @@ pub enum Light {
         /// Irradiance in W/m² on a surface that faces it, per channel.
         irradiance: Rgb,
     },
+    /// Shines from one point into a cone with soft edges.
+    Spot {
+        /// Where it is.
+        position: Vec3,
+        /// Where the middle of its beam goes; any length but 0.
+        direction: Vec3,
+        /// How much light.
+        light: SpotLight,
+        /// Half angle, in radians, within which it is evenly bright; 0 up to `outer`.
+        inner: f32,
+        /// Half angle, in radians, beyond which it is dark; above 0, up to π.
+        outer: f32,
+    },
+}
+
+/// How much light a spot gives, per channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpotLight {
+    /// Within the inner cone, in W/sr: the cone's width does not change how bright it is.
+    Intensity(Rgb),
+    /// In all, in W: a narrower cone is brighter.
+    Power(Rgb),
 }
 
 impl Light {
@@ -61,6 +86,34 @@ impl Light {
                 }
                 place.check("irradiance", irradiance.0, NOT_NEGATIVE)
             }
+            Self::Spot { position, direction, light, inner, outer } => {
+                place.check("position", position.to_array(), FINITE)?;
+                place.check("direction", direction.to_array(), FINITE)?;
+                if unit(direction).is_none() {
+                    return Err(place.problem("direction", "direction has no length"));
+                }
+                // As the author wrote them: what radians have rounded is rounded back.
+                let degrees =
+                    [inner, outer].map(|angle| (f64::from(angle).to_degrees() * 1e4).round() / 1e4);
+                if !(MIN_CONE..=PI).contains(&outer) {
+                    let [_, given] = degrees;
+                    return Err(place.problem(
+                        "outer_degrees",
+                        format!("outer_degrees is {given}, but must lie between 0.01 and 180"),
+                    ));
+                }
+                if !(0.0..=outer).contains(&inner) {
+                    let [given, most] = degrees;
+                    return Err(place.problem(
+                        "inner_degrees",
+                        format!("inner_degrees is {given}, but must lie between 0 and outer_degrees, {most}"),
+                    ));
+                }
+                match light {
+                    SpotLight::Intensity(rgb) => place.check("intensity", rgb.0, NOT_NEGATIVE),
+                    SpotLight::Power(rgb) => place.check("power", rgb.0, NOT_NEGATIVE),
+                }
+            }
         }
     }
 
@@ -73,9 +126,22 @@ impl Light {
                 towards: -unit(direction).unwrap_or(Vec3::NEG_Y),
                 irradiance: irradiance.into(),
             }),
+            Self::Spot { position, direction, light, inner, outer } => {
+                let cones = [inner, outer];
+                let intensity = match light {
+                    SpotLight::Intensity(rgb) => Spectrum::from(rgb),
+                    SpotLight::Power(rgb) => Spectrum::from(rgb) / SpotEmitter::solid_angle(cones),
+                };
+                let axis = unit(direction).unwrap_or(Vec3::NEG_Y);
+                Emitter::Spot(SpotEmitter::new(position, axis, intensity, cones))
+            }
         }
     }
 }
+
+/// The narrowest cone of a spot, in radians: 0.01°, a metre wide after 3 km. In a narrower one the
+/// angle to its axis would drown in rounding.
+const MIN_CONE: f32 = 1.7e-4;
 
 /// A direction of any length but 0 at length 1; the squares of its parts may overflow or vanish.
 fn unit(direction: Vec3) -> Option<Vec3> {

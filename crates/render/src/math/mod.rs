@@ -1,4 +1,5 @@
 //! Small mathematics shared by everything above geometry.
 
 pub mod distribution;
+pub mod lat_long;
 pub mod warp;

@@ -11,17 +11,41 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 /// A point on the unit disk, uniform over its area.
 pub fn concentric_disk(u: Vec2) -> Vec2 {
+    let (radius, angle) = concentric_polar(u);
+    let (sin, cos) = real::sin_cos(angle);
+    radius * Vec2::new(cos, sin)
+}
+
+/// A point in the regular polygon with `corners` corners (three or more) on the unit circle,
+/// uniform over its area. One corner points up, to (0, 1).
+///
+/// The disk's radius and angle become the polygon's: the square of the radius is as even in each
+/// of its triangles as it is in the disk, and the angle is spent evenly along each edge.
+pub fn concentric_polygon(u: Vec2, corners: u32) -> Vec2 {
+    let (radius, angle) = concentric_polar(u);
+    // A negative radius is a positive one on the other side.
+    let angle = if radius < 0.0 { angle + PI } else { angle };
+    let wedge = 2.0 * PI / corners as f32;
+    let turns = angle / wedge;
+    let which = turns.floor();
+    // From the middle of an edge: −1 at one corner, 1 at the next.
+    let along = 2.0 * (turns - which) - 1.0;
+    let (half_edge, apothem) = real::sin_cos(0.5 * wedge);
+    let (sin, cos) = real::sin_cos(FRAC_PI_2 + (which + 0.5) * wedge);
+    let (x, y) = (apothem, along * half_edge);
+    radius.abs() * Vec2::new(x * cos - y * sin, x * sin + y * cos)
+}
+
+/// Radius (which may be negative) and angle of the point of the unit disk that `u` stands for.
+fn concentric_polar(u: Vec2) -> (f32, f32) {
     let p = 2.0 * u - Vec2::ONE;
     if p == Vec2::ZERO {
-        return Vec2::ZERO;
-    }
-    let (radius, angle) = if p.x.abs() > p.y.abs() {
+        (0.0, 0.0)
+    } else if p.x.abs() > p.y.abs() {
         (p.x, FRAC_PI_4 * (p.y / p.x))
     } else {
         (p.y, FRAC_PI_2 - FRAC_PI_4 * (p.x / p.y))
-    };
-    let (sin, cos) = real::sin_cos(angle);
-    radius * Vec2::new(cos, sin)
+    }
 }
 
 /// A direction with z ≥ 0, in proportion to its cosine with +z.

@@ -25,16 +25,19 @@ pub(super) const RENDER: &[&str] = &[
     "curve",
 ];
 
-pub(super) const CAMERA: &[&str] = &[
-    "position",
-    "look_at",
-    "up",
-    "fov_degrees",
+pub(super) const ANY_CAMERA: &[&str] = &["type", "position", "look_at", "up"];
+pub(super) const LENS: &[&str] = &[
     "aperture_radius",
-    "f_number",
     "focus_distance",
     "focus_at",
+    "focus_on",
+    "blades",
+    "blade_rotation_degrees",
+    "aperture_ratio",
 ];
+pub(super) const PERSPECTIVE: &[&str] =
+    &["fov_degrees", "focal_length_mm", "sensor_height_mm", "f_number"];
+pub(super) const ORTHOGRAPHIC: &[&str] = &["height"];
 
 pub(super) const ENVIRONMENT: &[&str] = &["image", "color", "scale", "rotation_degrees"];
 
@@ -60,13 +63,18 @@ pub(super) const ROTATE: &[&str] = &["axis", "degrees"];
 
 pub(super) const ANY_LIGHT: &[&str] = &["type"];
 pub(super) const POINT: &[&str] = &["position", "intensity"];
+pub(super) const SPOT: &[&str] =
+    &["position", "direction", "look_at", "intensity", "power", "outer_degrees", "inner_degrees"];
 pub(super) const DIRECTIONAL: &[&str] = &["direction", "irradiance"];
 
 /// Which table has which keys.
 const PLACES: &[(&str, &[&str])] = &[
     ("the scene itself, above all tables", ROOT),
     ("[render]", RENDER),
-    ("[camera]", CAMERA),
+    ("[camera]", ANY_CAMERA),
+    ("a perspective or orthographic [camera]", LENS),
+    ("a perspective [camera]", PERSPECTIVE),
+    ("an orthographic [camera]", ORTHOGRAPHIC),
     ("[environment]", ENVIRONMENT),
     ("[[material]]", ANY_MATERIAL),
     ("an emissive material or emission", EMISSION),
@@ -85,6 +93,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("rotate", ROTATE),
     ("[[light]]", ANY_LIGHT),
     ("a point light", POINT),
+    ("a spot", SPOT),
     ("a directional light", DIRECTIONAL),
 ];
 
@@ -112,6 +121,8 @@ pub(super) fn is_known(name: &str) -> bool {
 /// first of the others. What comes from a file is shown at the file's name.
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("transform", &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit"]),
+    ("fov_degrees", &["focal_length_mm"]),
+    ("direction", &["look_at"]),
     ("aperture_radius", &["f_number"]),
     ("focus_distance", &["focus_at", "look_at"]),
     ("*", &["file"]),

@@ -4,16 +4,23 @@ use super::draft::Draft;
 use super::keys;
 use super::table::{Table, Value};
 use crate::error::SceneError;
-use rutilant::light::Light;
+use rutilant::light::{Light, SpotLight};
 use rutilant::scene::Place;
+use rutilant_geom::Vec3;
 
 #[derive(Clone, Copy)]
 enum Type {
     Point,
+    Spot,
     Directional,
 }
 
-const TYPES: &[(&str, Type)] = &[("point", Type::Point), ("directional", Type::Directional)];
+const TYPES: &[(&str, Type)] =
+    &[("point", Type::Point), ("spot", Type::Spot), ("directional", Type::Directional)];
+
+/// Half angles of a spot where none are given: those of glTF.
+const OUTER_DEGREES: f32 = 45.0;
+const INNER_DEGREES: f32 = 0.0;
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
     let light = match table.must("type", |v| v.one_of("light type", TYPES))? {
@@ -24,6 +31,26 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
                 position: table.must("position", Value::triple)?,
                 intensity: table.must("intensity", Value::color)?,
             }
+        }
+        Type::Spot => {
+            let table = table.named("a spot");
+            table.only(&[keys::ANY_LIGHT, keys::SPOT])?;
+            let position = table.must("position", Value::triple)?;
+            let direction = match table.either(["direction", "look_at"])? {
+                "look_at" => table.must("look_at", |value| match value.triple()? - position {
+                    Vec3::ZERO => Err(value.invalid("look_at is where the light itself is")),
+                    direction => Ok(direction),
+                })?,
+                _ => table.must("direction", Value::triple)?,
+            };
+            let light = match table.either(["intensity", "power"])? {
+                "power" => SpotLight::Power(table.must("power", Value::color)?),
+                _ => SpotLight::Intensity(table.must("intensity", Value::color)?),
+            };
+            let degrees = |key, default| table.or(key, Value::number, default);
+            let outer = degrees("outer_degrees", OUTER_DEGREES)?.to_radians();
+            let inner = degrees("inner_degrees", INNER_DEGREES)?.to_radians();
+            Light::Spot { position, direction, light, inner, outer }
         }
         Type::Directional => {
             let table = table.named("a directional light");

@@ -88,7 +88,7 @@ fn parse_here(
     settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
     let camera = root.maybe("camera", |v| v.table("[camera]"))?;
     if let Some(table) = camera {
-        draft.scene.camera = camera::read(&table)?.into();
+        draft.scene.camera = camera::read(&table, settings.size)?;
         draft.places.insert(Place::Camera, table);
     }
 

@@ -28,7 +28,13 @@ const ROULETTES: &[(&str, Roulette)] =
     &[("throughput", Roulette::Throughput), ("albedo", Roulette::Albedo), ("off", Roulette::Off)];
 const LIGHT_SELECTIONS: &[(&str, LightSelection)] =
     &[("power", LightSelection::Power), ("uniform", LightSelection::Uniform)];
-const CURVES: &[(&str, Curve)] = &[("clip", Curve::Clip), ("filmic", Curve::Filmic)];
+const CURVES: &[(&str, Curve)] = &[
+    ("clip", Curve::Clip),
+    ("filmic", Curve::Filmic),
+    ("reinhard", Curve::Reinhard),
+    ("aces", Curve::Aces),
+    ("agx", Curve::Agx),
+];
 /// Each with its usual width.
 const FILTERS: &[(&str, Filter)] = &[
     ("box", Filter::Box { radius: 0.5 }),
