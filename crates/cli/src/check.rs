@@ -82,7 +82,7 @@ pub(crate) fn contents(scene: &Scene) -> String {
 pub(crate) fn triangles(scene: &Scene) -> u64 {
     let of = |shape: &Shape| match shape {
         Shape::Mesh(id) => scene.meshes.get(id.0 as usize).map_or(0, |m| m.triangles.len() as u64),
-        Shape::Sphere { .. } | Shape::Disk { .. } => 0,
+        Shape::Sphere { .. } | Shape::Disk { .. } | Shape::Custom(_) => 0,
         Shape::Rectangle { .. } => 2,
         Shape::Box { .. } => 12,
     };

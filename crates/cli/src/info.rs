@@ -209,6 +209,7 @@ fn kind_of_material(kind: &MaterialKind) -> &'static str {
         MaterialKind::Conductor(_) => "conductor",
         MaterialKind::Dielectric(_) => "dielectric",
         MaterialKind::Mix(_) => "mix",
+        MaterialKind::Custom(_) => "custom",
     }
 }
 
@@ -222,6 +223,7 @@ fn kinds_of_lights(scene: &Scene) -> Vec<&'static str> {
         Shape::Rectangle { .. } => "glowing rectangle",
         Shape::Disk { .. } => "glowing disk",
         Shape::Box { .. } => "glowing box",
+        Shape::Custom(_) => "glowing custom shape",
     });
     let lights = scene.lights.iter().map(|light| match light {
         Light::Point { .. } => "point light",

@@ -35,6 +35,7 @@ pub fn all() -> Vec<Named> {
         named("smooth mesh", smooth_mesh()),
         named("glowing box", glowing_box()),
         named("lens", lens()),
+        named("nested media", nested_media()),
     ]
 }
 
@@ -296,5 +297,29 @@ fn lens() -> Scene {
     put(&mut s, ball(0.5), red, at(-0.7, 0.5, 1.5));
     put(&mut s, ball(0.5), red, at(0.7, 0.5, -1.5));
     put(&mut s, rectangle(3.0, 3.0), light, ceiling_at(3.0));
+    s
+}
+
+/// A lamp and a ball in water that overlaps the glass before it, ice half in the water, and a
+/// second body of water: surfaces that are borders here and none there, before and behind lamps.
+fn nested_media() -> Scene {
+    let mut s = looking([0.6, 1.0, 6.0], [0.0, 0.0, 0.0]);
+    s.environment = Some(Environment::constant(Rgb::new(0.3, 0.3, 0.4)));
+    let mut medium = |ior, absorption: [f32; 3], priority| {
+        let mut medium = Dielectric { priority: Some(priority), ..Dielectric::new(ior) };
+        medium.interior.absorption = Absorption::Coefficient(Rgb(absorption));
+        s.add_material(medium)
+    };
+    let water = medium(1.33, [0.4, 0.15, 0.1], 1);
+    let ice = medium(1.31, [0.0, 0.0, 0.0], 2);
+    let glass = medium(1.52, [0.1, 0.05, 0.1], 3);
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let light = lamp(&mut s, 4.0);
+    put(&mut s, Shape::Box { size: Vec3::new(3.2, 2.0, 2.0) }, water, Transform::IDENTITY);
+    put(&mut s, Shape::Box { size: Vec3::new(3.6, 2.4, 0.3) }, glass, at(0.0, 0.0, 1.1));
+    put(&mut s, ball(0.5), ice, at(0.1, 1.0, 0.2));
+    put(&mut s, Shape::Box { size: Vec3::new(0.8, 1.4, 1.6) }, water, at(0.0, -0.2, 0.0));
+    put(&mut s, ball(0.55), white, at(-0.9, -0.3, 0.0));
+    put(&mut s, ball(0.5), light, at(1.0, 0.1, 0.0));
     s
 }

@@ -13,6 +13,7 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod custom;
 pub mod disk;
 pub mod frame;
 pub mod ray;
@@ -24,6 +25,7 @@ pub mod triangle;
 
 pub use aabb::Aabb;
 pub use bvh::{BuildOptions, BuildReport, Bvh};
+pub use custom::{Custom, CustomHit, CustomRay, CustomShape};
 pub use disk::Disk;
 pub use frame::Frame;
 pub use glam::{DVec3, Mat3, Vec2, Vec3};

@@ -1,5 +1,6 @@
-//! All surfaces of one space under one tree: triangles, spheres and disks.
+//! All surfaces of one space under one tree: triangles, spheres, disks and custom shapes.
 
+use crate::custom::{Custom, CustomHit};
 use crate::disk::Disk;
 use crate::sphere::Sphere;
 use crate::triangle::TriangleRay;
@@ -8,16 +9,17 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Triangles, spheres and disks, ready to be met by rays.
+/// Triangles, spheres, disks and custom shapes, ready to be met by rays.
 ///
 /// Primitives are numbered: the triangles first, then the spheres, then the
-/// disks, each in the order they were given.
+/// disks, then the custom shapes, each in the order they were given.
 #[derive(Clone, Debug)]
 pub struct Surfaces {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     spheres: Vec<Sphere>,
     disks: Vec<Disk>,
+    customs: Vec<Custom>,
     bvh: Bvh,
     /// The primitives in the order of the tree's leaves.
     leaves: Vec<Leaf>,
@@ -36,16 +38,18 @@ pub struct Hit {
     /// On a triangle the barycentric weight of the second vertex, on a disk the
     /// coordinate along its `u`, both as they are. On a sphere the longitude as
     /// a part of the full turn: 0.5 at +z, growing towards +x, within [0, 1].
+    /// On a custom shape the first texture coordinate.
     pub u: f32,
     /// On a triangle the barycentric weight of the third vertex, on a disk the
     /// coordinate along its `v`. On a sphere the latitude: 0 at -y, 1 at +y.
+    /// On a custom shape the second texture coordinate.
     pub v: f32,
     /// The exact hit point but for double precision's rounding, each coordinate
     /// rounded once: what [`offset_origin`](crate::offset_origin) relies on.
     pub position: Vec3,
     /// The geometric normal, of unit length, each coordinate rounded once. On a
     /// triangle it points to where the vertices run counter-clockwise, on a
-    /// sphere outwards, on a disk along `u × v`.
+    /// sphere outwards, on a disk along `u × v`, on a custom shape as that says.
     pub normal: Vec3,
 }
 
@@ -66,6 +70,22 @@ impl Surfaces {
         disks: Vec<Disk>,
         options: &BuildOptions,
     ) -> Self {
+        Self::with_custom(positions, triangles, spheres, disks, Vec::new(), options)
+    }
+
+    /// The same with custom shapes; those without a finite box are left out as well.
+    ///
+    /// # Panics
+    ///
+    /// As for [`new`](Self::new).
+    pub fn with_custom(
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        spheres: Vec<Sphere>,
+        disks: Vec<Disk>,
+        customs: Vec<Custom>,
+        options: &BuildOptions,
+    ) -> Self {
         // An empty box tells the builder to leave something out.
         let triangle_bounds = |indices: &[u32; 3]| {
             let corners = indices.map(|i| positions.get(i as usize).copied());
@@ -82,17 +102,21 @@ impl Surfaces {
             spheres.iter().map(|s| if s.is_proper() { s.bounds() } else { Aabb::EMPTY });
         let disks_bounds =
             disks.iter().map(|d| if d.is_proper() { d.bounds() } else { Aabb::EMPTY });
-        bounds.extend(spheres_bounds.chain(disks_bounds));
+        bounds.extend(spheres_bounds.chain(disks_bounds).chain(customs.iter().map(Custom::bounds)));
 
         let bvh = Bvh::build(&bounds, options);
         let leaf = |&primitive: &u32| {
             let i = primitive as usize;
-            if i < triangles.len() {
+            let (first_sphere, first_disk) = (triangles.len(), triangles.len() + spheres.len());
+            let first_custom = first_disk + disks.len();
+            if i < first_sphere {
                 Leaf::Triangle(triangles[i])
-            } else if i - triangles.len() < spheres.len() {
-                Leaf::Sphere((i - triangles.len()) as u32)
+            } else if i < first_disk {
+                Leaf::Sphere((i - first_sphere) as u32)
+            } else if i < first_custom {
+                Leaf::Disk((i - first_disk) as u32)
             } else {
-                Leaf::Disk((i - triangles.len() - spheres.len()) as u32)
+                Leaf::Custom((i - first_custom) as u32)
             }
         };
         let leaves: Vec<Leaf> = bvh.order().par_iter().map(leaf).collect();
@@ -102,9 +126,10 @@ impl Surfaces {
             + size_of_val(&*positions)
             + size_of_val(&*triangles)
             + size_of_val(&*spheres)
-            + size_of_val(&*disks);
+            + size_of_val(&*disks)
+            + size_of_val(&*customs);
         let report = BuildReport { bytes, ..*bvh.report() };
-        Self { positions, triangles, spheres, disks, bvh, leaves, report }
+        Self { positions, triangles, spheres, disks, customs, bvh, leaves, report }
     }
 
     /// What was built and what was left out. `bytes` counts the surfaces as well as the tree.
@@ -142,6 +167,11 @@ impl Surfaces {
         &self.disks
     }
 
+    /// All custom shapes, also those left out.
+    pub fn customs(&self) -> &[Custom] {
+        &self.customs
+    }
+
     /// The vertices of the triangle number `i`.
     ///
     /// # Panics
@@ -157,6 +187,8 @@ impl Surfaces {
     /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let triangle_ray = TriangleRay::new(ray);
+        // What the nearest custom shape said. If that is the closest of all, it is needed again.
+        let mut custom: Option<(u32, CustomHit)> = None;
         let closest = self.bvh.closest(ray, |place| match self.leaves[place] {
             Leaf::Triangle(indices) => {
                 let [a, b, c] = indices.map(|i| self.positions[i as usize]);
@@ -165,6 +197,13 @@ impl Surfaces {
             Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).map(|t| (t, [0.0, 0.0])),
             Leaf::Disk(i) => {
                 self.disks[i as usize].intersect(ray).map(|hit| (hit.t, [hit.a, hit.b]))
+            }
+            Leaf::Custom(i) => {
+                let hit = self.customs[i as usize].intersect(ray)?;
+                if custom.is_none_or(|(j, nearest)| (hit.t, i) < (nearest.t, j)) {
+                    custom = Some((i, hit));
+                }
+                Some((hit.t, hit.uv))
             }
         })?;
 
@@ -180,9 +219,11 @@ impl Surfaces {
         } else if let Some(sphere) = self.spheres.get(i - self.triangles.len()) {
             let (position, normal) = sphere.surface_at(ray, closest.t);
             (position, normal, longitude_latitude(normal.as_vec3()))
-        } else {
-            let disk = &self.disks[i - self.triangles.len() - self.spheres.len()];
+        } else if let Some(disk) = self.disks.get(i - self.triangles.len() - self.spheres.len()) {
             (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32])
+        } else {
+            let (_, hit) = custom?;
+            (hit.position, hit.normal, [u as f32, v as f32])
         };
         let (position, normal) = (position.as_vec3(), normal.as_vec3());
         Some(Hit { primitive, t: closest.t as f32, u, v, position, normal })
@@ -198,6 +239,7 @@ impl Surfaces {
             }
             Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).is_some(),
             Leaf::Disk(i) => self.disks[i as usize].intersect(ray).is_some(),
+            Leaf::Custom(i) => self.customs[i as usize].intersect(ray).is_some(),
         })
     }
 }
@@ -209,6 +251,7 @@ enum Leaf {
     Triangle([u32; 3]),
     Sphere(u32),
     Disk(u32),
+    Custom(u32),
 }
 
 /// Twice the area along the normal; zero exactly for a triangle without area.

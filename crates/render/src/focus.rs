@@ -60,7 +60,8 @@ impl Prepared {
             neighbours.travel(f64::from(hit.t));
 
             // Go on where light has one way to go; there the ray's neighbours turn as well.
-            let bsdf = &self.material(&at).bsdf;
+            let material = self.material(&hit, &at);
+            let bsdf = &material.bsdf;
             let go_on = bsdf.is_delta().then(|| {
                 bsdf.sample(at.wo_local(), TRANSMISSION, Vec2::ZERO).filter(|sample| sample.delta)
             });

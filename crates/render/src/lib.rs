@@ -51,6 +51,7 @@ pub mod interaction;
 pub mod light;
 pub mod material;
 pub mod math;
+mod medium;
 pub mod prepare;
 mod problem;
 pub mod sampler;

@@ -1,7 +1,7 @@
 //! From what the author wrote to what can be traced: slow, once, and the last place that can fail.
 //!
 //! A [`Prepared`] scene is flat: arrays that point into each other by number.
-//! Shapes become triangles, spheres and disks in the world under one tree,
+//! Shapes become triangles, spheres, disks and custom surfaces in the world under one tree,
 //! materials become BSDFs, everything that shines becomes an emitter.
 
 use crate::bsdf::{Bsdf, Lambert, Lobe, PerfectMirror, SmoothConductor, SmoothDielectric};
@@ -12,14 +12,20 @@ use crate::light::{
     DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, ParallelogramEmitter, SphereEmitter,
     TriangleEmitter,
 };
-use crate::material::{Emission, EmittedLight, Material, MaterialKind};
+use crate::material::{
+    CustomMaterial, Dielectric, Emission, EmittedLight, Material, MaterialKind, SurfacePoint,
+};
+use crate::medium::{Border, Media, PreparedMedium};
 use crate::scene::{MaterialId, Scene, SceneProblem};
 use crate::shape::{Mesh, Object, Shape};
 use rutilant_geom::{
-    Aabb, BuildOptions, BuildReport, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform, Vec2,
-    Vec3, offset_origin,
+    Aabb, BuildOptions, BuildReport, Custom, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform,
+    Vec2, Vec3, offset_origin,
 };
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// A scene that rays can be traced through. It does not change any more.
 #[derive(Clone, Debug)]
@@ -32,11 +38,14 @@ pub struct Prepared {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     materials: Vec<PreparedMaterial>,
+    custom_materials: Vec<Arc<dyn CustomMaterial>>,
     emitters: Vec<Emitter>,
     /// The emitter that is the sky.
     environment: Option<u32>,
-    /// What the medium around the camera absorbs, in 1/m.
-    camera_absorption: Spectrum,
+    /// What the camera stands in.
+    camera_media: Media,
+    /// True where scattered rays may find light that light sampling cannot.
+    light_beyond_sampling: bool,
     report: PrepareReport,
 }
 
@@ -49,6 +58,8 @@ pub struct PrepareReport {
     pub spheres: u64,
     /// Disks.
     pub disks: u64,
+    /// Custom shapes.
+    pub customs: u64,
     /// Materials.
     pub materials: u64,
     /// Emitters: lights, glowing triangles and shapes, the sky.
@@ -90,19 +101,15 @@ pub(crate) struct PreparedMaterial {
     pub(crate) bsdf: Bsdf,
     /// Set where light can cross the surface.
     pub(crate) border: Option<Border>,
+    /// The number of the custom material that tells the BSDF of each place.
+    custom: Option<u32>,
 }
 
-/// What fills the space on both sides of a clear surface: absorption coefficients in 1/m.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Border {
-    interior: Spectrum,
-    exterior: Spectrum,
-}
-
-impl Border {
-    /// The absorption in front of the surface, or behind it.
-    pub(crate) fn absorption(&self, in_front: bool) -> Spectrum {
-        if in_front { self.exterior } else { self.interior }
+impl PreparedMaterial {
+    /// The same as a border between the media that it lies between at some place.
+    pub(crate) fn between(&self, here: Border) -> Self {
+        let eta = here.interior.ior / here.exterior.ior;
+        Self { bsdf: self.bsdf.with_eta(eta), border: Some(here), ..*self }
     }
 }
 
@@ -205,29 +212,59 @@ impl Prepared {
         a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
     }
 
-    /// What the medium around the camera absorbs, in 1/m.
-    pub(crate) fn camera_absorption(&self) -> Spectrum {
-        self.camera_absorption
+    /// What the camera stands in.
+    pub(crate) fn camera_media(&self) -> Media {
+        self.camera_media
     }
 
-    /// What the medium at the ray's origin absorbs: that on this side of the first border on its
-    /// way, seen through everything that is none. Nothing where there is no border.
-    fn absorption_at(&self, mut ray: Ray) -> Spectrum {
+    /// True where scattered rays may find light that light sampling cannot: beyond surfaces that
+    /// are no borders, and on custom shapes.
+    pub(crate) fn light_beyond_sampling(&self) -> bool {
+        self.light_beyond_sampling
+    }
+
+    /// What the ray's origin is inside of, seen through everything on its way. The bodies that it
+    /// leaves more often than it enters them are around the origin; the first border has the last
+    /// word on what absorbs there, for it tells the media without a priority as well. Nothing
+    /// absorbs where there is no border.
+    fn media_at(&self, mut ray: Ray) -> Media {
         /// Behind so many surfaces nothing is looked for any more.
         const SURFACES: usize = 1000;
+        let (mut media, mut first) = (Media::NONE, None);
+        let mut entered = BTreeMap::<u32, u32>::new();
         for _ in 0..SURFACES {
             let Some(hit) = self.closest(&ray) else { break };
-            let material = &self.materials[self.object(&hit).material as usize];
-            if let Some(border) = &material.border {
-                return border.absorption(hit.normal.dot(ray.direction) < 0.0);
+            if let Some(border) = &self.materials[self.object(&hit).material as usize].border {
+                let from_front = hit.normal.dot(ray.direction) < 0.0;
+                first = first.or(Some((*border, from_front)));
+                if let Some(rank) = border.rank {
+                    let entered = entered.entry(rank).or_default();
+                    match (from_front, *entered) {
+                        (true, _) => *entered += 1,
+                        (false, 0) => media.enter(rank, border.interior),
+                        (false, _) => *entered -= 1,
+                    }
+                }
             }
             ray.origin = offset_origin(hit.position, hit.normal, ray.direction);
         }
-        Spectrum::BLACK
+        if let Some((border, from_front)) = first {
+            media.arrive(&border, from_front);
+        }
+        media
     }
 
-    pub(crate) fn material(&self, interaction: &SurfaceInteraction) -> &PreparedMaterial {
-        &self.materials[interaction.material as usize]
+    /// How the surface scatters where it was hit.
+    pub(crate) fn material(
+        &self,
+        hit: &Hit,
+        interaction: &SurfaceInteraction,
+    ) -> Cow<'_, PreparedMaterial> {
+        let material = &self.materials[interaction.material as usize];
+        let Some(custom) = material.custom else { return Cow::Borrowed(material) };
+        let point = SurfacePoint { position: hit.position, normal: hit.normal, uv: self.uv(hit) };
+        let bsdf = self.custom_materials[custom as usize].bsdf(&point);
+        Cow::Owned(PreparedMaterial { bsdf, ..*material })
     }
 
     /// Everything that shines.
@@ -246,7 +283,8 @@ impl Prepared {
             | Emitter::Triangle(_)
             | Emitter::Parallelogram(_)
             | Emitter::Disk(_)
-            | Emitter::Sphere(_) => None,
+            | Emitter::Sphere(_)
+            | Emitter::Custom(_) => None,
         }
     }
 
@@ -267,8 +305,9 @@ struct Assembly {
     triangles: Vec<[u32; 3]>,
     spheres: Vec<Sphere>,
     disks: Vec<Disk>,
-    /// The objects of the triangles, of the spheres and of the disks, in their order.
-    objects_of: [Vec<u32>; 3],
+    customs: Vec<Custom>,
+    /// The objects of the triangles, the spheres, the disks and the custom shapes, in their order.
+    objects_of: [Vec<u32>; 4],
     objects: Vec<PreparedObject>,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
@@ -292,10 +331,16 @@ impl Assembly {
             self.add_emitter(Emitter::Environment(sky))
         });
 
-        let (triangles, spheres, disks) =
-            (self.triangles.len(), self.spheres.len(), self.disks.len());
-        let surfaces =
-            Surfaces::new(self.positions, self.triangles, self.spheres, self.disks, options);
+        let (triangles, spheres, disks, customs) =
+            (self.triangles.len(), self.spheres.len(), self.disks.len(), self.customs.len());
+        let surfaces = Surfaces::with_custom(
+            self.positions,
+            self.triangles,
+            self.spheres,
+            self.disks,
+            self.customs,
+            options,
+        );
         let left_out = surfaces.report().left_out;
         if left_out.count > 0 {
             let (count, first) = (left_out.count, left_out.first.unwrap_or(0));
@@ -304,13 +349,22 @@ impl Assembly {
             ));
         }
         let radius = radius_of(&surfaces.bounds());
-        if self.emitters.iter().all(|e| e.power(radius).is_black()) {
+        let dark = |e: &Emitter| !e.is_custom() && e.power(radius).is_black();
+        if self.emitters.iter().all(dark) {
             self.notes.push("nothing gives light: the picture will be black".to_owned());
+        }
+        let (materials, custom_materials, ranked) = prepare_materials(&scene.materials);
+        if ranked > Media::MOST {
+            self.notes.push(format!(
+                "{ranked} materials have a priority; where more than {} overlap, the weakest are overlooked",
+                Media::MOST
+            ));
         }
         let report = PrepareReport {
             triangles: triangles as u64,
             spheres: spheres as u64,
             disks: disks as u64,
+            customs: customs as u64,
             materials: scene.materials.len() as u64,
             emitters: self.emitters.len() as u64,
             bounds: surfaces.bounds(),
@@ -324,17 +378,15 @@ impl Assembly {
             objects: self.objects,
             normals: self.normals,
             uvs: self.uvs,
-            materials: scene
-                .materials
-                .iter()
-                .map(|m| prepare_material(m, &scene.materials))
-                .collect(),
+            materials,
+            custom_materials,
+            light_beyond_sampling: ranked > 0 || self.emitters.iter().any(Emitter::is_custom),
             emitters: self.emitters,
             environment,
-            camera_absorption: Spectrum::BLACK,
+            camera_media: Media::NONE,
             report,
         };
-        prepared.camera_absorption = prepared.absorption_at(scene.camera.axis());
+        prepared.camera_media = prepared.media_at(scene.camera.axis());
         prepared
     }
 
@@ -349,16 +401,16 @@ impl Assembly {
             first_normal: None,
             first_uv: None,
         };
-        match object.shape {
+        match &object.shape {
             Shape::Mesh(id) => {
                 let mesh = &scene.meshes[id.0 as usize];
                 self.add_mesh(mesh, number, object, material, &mut prepared);
             }
             Shape::Box { size } => {
-                self.add_mesh(&box_mesh(size), number, object, material, &mut prepared);
+                self.add_mesh(&box_mesh(*size), number, object, material, &mut prepared);
             }
             Shape::Rectangle { size } => {
-                let corners = self.add_rectangle(size, world_from_object, number);
+                let corners = self.add_rectangle(*size, world_from_object, number);
                 let area = 2.0 * triangle_area(corners);
                 if let Some(glow) = self.glow(number, material, area) {
                     let emitter = ParallelogramEmitter::new(corners, glow);
@@ -369,7 +421,7 @@ impl Assembly {
             Shape::Sphere { radius } => {
                 let scale = world_from_object.uniform_scale().unwrap_or(1.0);
                 let center = world_from_object.translation();
-                let sphere = Sphere { center, radius: radius * scale };
+                let sphere = Sphere { center, radius: *radius * scale };
                 self.spheres.push(sphere);
                 self.objects_of[1].push(number as u32);
                 let area = 4.0 * PI * sphere.radius * sphere.radius;
@@ -380,7 +432,7 @@ impl Assembly {
                 }
             }
             Shape::Disk { radius } => {
-                let axis = |v: Vec3| world_from_object.vector(v * radius);
+                let axis = |v: Vec3| world_from_object.vector(v * *radius);
                 // The normal keeps its side when the transform mirrors.
                 let (u, v) = if world_from_object.mirrors() {
                     (axis(Vec3::Y), axis(Vec3::X))
@@ -394,6 +446,15 @@ impl Assembly {
                 if let Some(glow) = self.glow(number, material, area) {
                     let emitter = Emitter::Disk(DiskEmitter::new(disk, glow));
                     prepared.emitters = ObjectEmitters::One(self.add_emitter(emitter));
+                }
+            }
+            Shape::Custom(shape) => {
+                self.customs.push(Custom::new(Arc::clone(shape), world_from_object));
+                self.objects_of[3].push(number as u32);
+                // The area is of no account: only a radiance is accepted.
+                if let Some(glow) = self.glow(number, material, 1.0) {
+                    let emitter = self.add_emitter(Emitter::Custom(glow));
+                    prepared.emitters = ObjectEmitters::One(emitter);
                 }
             }
         }
@@ -554,37 +615,70 @@ fn is_border(material: &Material) -> bool {
     matches!(material.kind, MaterialKind::Dielectric(_))
 }
 
-fn prepare_material(material: &Material, all: &[Material]) -> PreparedMaterial {
-    let bsdf = match &material.kind {
-        MaterialKind::Mix(mix) => {
-            let part = |id: MaterialId, share: f32| lobe(&all[id.0 as usize]).map(|l| (share, l));
-            let parts = [part(mix.first, 1.0 - mix.amount), part(mix.second, mix.amount)];
-            Bsdf::sum(parts.into_iter().flatten())
+/// All materials as they meet light, the custom ones among them, and how many have a priority.
+fn prepare_materials(
+    all: &[Material],
+) -> (Vec<PreparedMaterial>, Vec<Arc<dyn CustomMaterial>>, usize) {
+    // The strongest first; of equally strong ones the first.
+    let priority = |m: &Material| match &m.kind {
+        MaterialKind::Dielectric(Dielectric { priority, .. }) => *priority,
+        MaterialKind::Black
+        | MaterialKind::Matte(_)
+        | MaterialKind::Mirror(_)
+        | MaterialKind::Conductor(_)
+        | MaterialKind::Mix(_)
+        | MaterialKind::Custom(_) => None,
+    };
+    let mut ranked: Vec<(u32, usize)> = all
+        .iter()
+        .enumerate()
+        .filter_map(|(i, m)| priority(m).map(|p| (u32::MAX - p, i)))
+        .collect();
+    ranked.sort_unstable();
+    let ranks: BTreeMap<usize, u32> =
+        ranked.iter().zip(0..).map(|((_, i), rank)| (*i, rank)).collect();
+
+    let mut customs = Vec::new();
+    let prepare = |(i, material): (usize, &Material)| {
+        let mut prepared = PreparedMaterial {
+            bsdf: lobe(material).map_or(Bsdf::BLACK, Bsdf::from),
+            border: None,
+            custom: None,
+        };
+        match &material.kind {
+            MaterialKind::Black
+            | MaterialKind::Matte(_)
+            | MaterialKind::Mirror(_)
+            | MaterialKind::Conductor(_) => {}
+            MaterialKind::Dielectric(d) => {
+                let medium = |m: &crate::material::Medium| PreparedMedium {
+                    ior: m.ior,
+                    absorption: m.absorption.coefficient(),
+                };
+                let (interior, exterior) = (medium(&d.interior), medium(&d.exterior));
+                prepared.border = Some(Border { interior, exterior, rank: ranks.get(&i).copied() });
+            }
+            MaterialKind::Mix(mix) => {
+                let part =
+                    |id: MaterialId, share: f32| lobe(&all[id.0 as usize]).map(|l| (share, l));
+                let parts = [part(mix.first, 1.0 - mix.amount), part(mix.second, mix.amount)];
+                prepared.bsdf = Bsdf::sum(parts.into_iter().flatten());
+            }
+            MaterialKind::Custom(custom) => {
+                prepared.custom = Some(customs.len() as u32);
+                customs.push(Arc::clone(custom));
+            }
         }
-        MaterialKind::Black
-        | MaterialKind::Matte(_)
-        | MaterialKind::Mirror(_)
-        | MaterialKind::Conductor(_)
-        | MaterialKind::Dielectric(_) => lobe(material).map_or(Bsdf::BLACK, Bsdf::from),
+        prepared
     };
-    let border = match &material.kind {
-        MaterialKind::Dielectric(d) => Some(Border {
-            interior: d.interior.absorption.coefficient(),
-            exterior: d.exterior.absorption.coefficient(),
-        }),
-        MaterialKind::Black
-        | MaterialKind::Matte(_)
-        | MaterialKind::Mirror(_)
-        | MaterialKind::Conductor(_)
-        | MaterialKind::Mix(_) => None,
-    };
-    PreparedMaterial { bsdf, border }
+    let materials = all.iter().enumerate().map(prepare).collect();
+    (materials, customs, ranked.len())
 }
 
 /// The lobe of a material that has just one.
 fn lobe(material: &Material) -> Option<Lobe> {
-    match material.kind {
-        MaterialKind::Black | MaterialKind::Mix(_) => None,
+    match &material.kind {
+        MaterialKind::Black | MaterialKind::Mix(_) | MaterialKind::Custom(_) => None,
         MaterialKind::Matte(m) => Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() })),
         MaterialKind::Mirror(m) => {
             Some(Lobe::Mirror(PerfectMirror { reflectance: m.reflectance.into() }))

@@ -81,7 +81,7 @@ impl Scene {
             mesh.validate(i)?;
         }
         for (i, object) in self.objects.iter().enumerate() {
-            object.validate(i, self.materials.len(), self.meshes.len())?;
+            object.validate(i, &self.materials, self.meshes.len())?;
         }
         for (i, light) in self.lights.iter().enumerate() {
             light.validate(i)?;
@@ -93,14 +93,14 @@ impl Scene {
     fn check_size(&self) -> Result<(), SceneProblem> {
         let (mut vertices, mut primitives) = (0_u64, 0_u64);
         for (i, object) in self.objects.iter().enumerate() {
-            let (v, p) = match object.shape {
+            let (v, p) = match &object.shape {
                 Shape::Mesh(id) => {
                     let mesh = &self.meshes[id.0 as usize];
                     (mesh.positions.len() as u64, mesh.triangles.len() as u64)
                 }
                 Shape::Box { .. } => (8, 12),
                 Shape::Rectangle { .. } => (4, 2),
-                Shape::Sphere { .. } | Shape::Disk { .. } => (0, 1),
+                Shape::Sphere { .. } | Shape::Disk { .. } | Shape::Custom(_) => (0, 1),
             };
             vertices += v;
             primitives += p;

@@ -37,12 +37,13 @@ fn bounds_of_all(scene: &Scene) -> Aabb {
     let meshes: Vec<_> = scene.meshes.iter().map(|m| bounds_of(&m.positions)).collect();
     scene.objects.iter().fold(Aabb::EMPTY, |all, object| {
         let centered = |half: Vec3| Aabb { min: -half, max: half };
-        let local = match object.shape {
+        let local = match &object.shape {
             Shape::Mesh(id) => meshes.get(id.0 as usize).copied().unwrap_or(Aabb::EMPTY),
-            Shape::Sphere { radius } => centered(Vec3::splat(radius)),
-            Shape::Rectangle { size } => centered((0.5 * size).extend(0.0)),
-            Shape::Disk { radius } => centered(Vec3::new(radius, radius, 0.0)),
-            Shape::Box { size } => centered(0.5 * size),
+            Shape::Sphere { radius } => centered(Vec3::splat(*radius)),
+            Shape::Rectangle { size } => centered((0.5 * *size).extend(0.0)),
+            Shape::Disk { radius } => centered(Vec3::new(*radius, *radius, 0.0)),
+            Shape::Box { size } => centered(0.5 * *size),
+            Shape::Custom(shape) => shape.bounds(),
         };
         all.union(moved(local, &object.world_from_object))
     })

@@ -133,6 +133,17 @@ impl Bsdf {
         self.lobes.iter().flatten()
     }
 
+    /// The same with another index of refraction below over that above, where light can cross:
+    /// for borders whose sides are known only where a ray meets them.
+    #[must_use]
+    pub(crate) fn with_eta(self, eta: f32) -> Self {
+        let lobe = |lobe| match lobe {
+            Lobe::Dielectric(l) => Lobe::Dielectric(SmoothDielectric { eta, ..l }),
+            Lobe::Lambert(_) | Lobe::Mirror(_) | Lobe::Conductor(_) => lobe,
+        };
+        Self { lobes: self.lobes.map(|l| l.map(|l| WeightedLobe { lobe: lobe(l.lobe), ..l })) }
+    }
+
     /// True when light sampling can find nothing here: every lobe is a delta, or there is none.
     pub fn is_delta(&self) -> bool {
         self.lobes().all(|l| l.lobe.is_delta())

@@ -28,7 +28,7 @@ impl Integrator for Albedo {
     fn radiance<S: Sampler>(&self, scene: &Prepared, ray: Ray, _: &S, rays: &mut u64) -> Spectrum {
         *rays += 1;
         scene.closest(&ray).map_or(Spectrum::BLACK, |hit| {
-            scene.material(&scene.interaction(&hit, ray.direction)).bsdf.albedo()
+            scene.material(&hit, &scene.interaction(&hit, ray.direction)).bsdf.albedo()
         })
     }
 }

@@ -1,12 +1,13 @@
 //! Emission and direct light: one light sampled at the first surface.
 //!
 //! Written apart from [`Path`](super::Path), which gives the same picture at a depth of 2: light
-//! samples alone on rough surfaces, scattered rays alone on mirrors and glass.
+//! samples alone on rough surfaces, scattered rays alone on mirrors and glass and for light that
+//! no sample can find.
 
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::path::transmittance;
+use super::follow::{follow, transmittance};
 use crate::color::Spectrum;
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
@@ -26,24 +27,17 @@ impl Integrator for Direct {
         sampler: &S,
         rays: &mut u64,
     ) -> Spectrum {
-        *rays += 1;
-        let Some(hit) = scene.closest(&ray) else {
-            let through = transmittance(scene.camera_absorption(), f32::INFINITY);
+        let (mut ray, mut media) = (ray, scene.camera_media());
+        let way = follow(scene, &mut ray, &mut media, rays);
+        let Some(met) = way.met else {
             return SeenEmission::of_sky(scene, ray.direction)
-                .map_or(Spectrum::BLACK, |s| s.radiance * through);
+                .map_or(Spectrum::BLACK, |s| s.radiance * way.through);
         };
-        let at = scene.interaction(&hit, ray.direction);
-        let bsdf = scene.material(&at).bsdf;
+        let (at, bsdf) = (&met.at, &met.material.bsdf);
         let wo = at.wo_local();
         let bounce = Bounce::at(1);
-
-        // The ray's way to here, through whatever fills the side it came from.
-        let border = scene.material(&at).border;
-        let side =
-            |front| border.map_or_else(|| scene.camera_absorption(), |b| b.absorption(front));
-        let way = transmittance(side(wo.z > 0.0), hit.t);
         let mut radiance =
-            SeenEmission::of_surface(scene, &at).map_or(Spectrum::BLACK, |e| e.radiance);
+            SeenEmission::of_surface(scene, at).map_or(Spectrum::BLACK, |e| e.radiance);
 
         // Rough lobes: one light, anywhere on it.
         let origin = at.reflected_origin();
@@ -56,29 +50,33 @@ impl Integrator for Direct {
             if !scene.occluded(&light.shadow_ray(origin)) {
                 let scattered = bsdf.eval_cos(wo, at.shading.to_local(light.wi));
                 let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-                let through = transmittance(side(wo.z > 0.0), distance);
+                let through = transmittance(media.absorption, distance);
                 radiance += scattered * light.radiance * through * (1.0 / (pmf * light.pdf));
             }
         }
 
-        // Mirrors and glass: the light seen in them.
+        // Mirrors and glass: the light seen in them. So too where light samples cannot find it.
         let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
-        if let Some(sample) = sample.filter(|s| s.delta) {
+        if let Some(sample) = sample.filter(|s| s.delta || scene.light_beyond_sampling()) {
             let crossed = sample.is_transmission(wo);
-            let ray = at.scattered_ray(&sample, crossed);
-            *rays += 1;
-            let (seen, distance) = match scene.closest(&ray) {
-                Some(hit) => (
-                    SeenEmission::of_surface(scene, &scene.interaction(&hit, ray.direction)),
-                    hit.t,
-                ),
-                None => (SeenEmission::of_sky(scene, ray.direction), f32::INFINITY),
+            if crossed {
+                met.cross(&mut media);
+            }
+            let mut ray = at.scattered_ray(&sample, crossed);
+            let from = ray.origin;
+            let onward = follow(scene, &mut ray, &mut media, rays);
+            let seen = match &onward.met {
+                Some(met) => SeenEmission::of_surface(scene, &met.at),
+                None => SeenEmission::of_sky(scene, ray.direction),
             };
-            let medium = side((wo.z > 0.0) != crossed);
-            radiance += seen.map_or(Spectrum::BLACK, |s| {
-                s.radiance * sample.weight * transmittance(medium, distance)
-            });
+            if let Some(seen) = seen
+                && (sample.delta
+                    || onward.passed
+                    || seen.light_pdf(scene, &self.selection, from, ray.direction) == 0.0)
+            {
+                radiance += seen.radiance * sample.weight * onward.through;
+            }
         }
-        way * radiance
+        radiance * way.through
     }
 }

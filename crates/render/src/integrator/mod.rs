@@ -5,6 +5,7 @@ pub(crate) mod dimension;
 mod direct;
 mod emission;
 mod estimate;
+mod follow;
 mod naive;
 mod path;
 

@@ -7,7 +7,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::path::transmittance;
+use super::follow::follow;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
@@ -32,40 +32,30 @@ impl Integrator for Naive {
     ) -> Spectrum {
         let mut radiance = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
-        let mut absorption = scene.camera_absorption();
+        let mut media = scene.camera_media();
         let mut ray = camera_ray;
         for depth in 1..=self.max_depth {
-            *rays += 1;
-            let Some(hit) = scene.closest(&ray) else {
+            let way = follow(scene, &mut ray, &mut media, rays);
+            throughput *= way.through;
+            let Some(met) = way.met else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
-                    radiance +=
-                        throughput * transmittance(absorption, f32::INFINITY) * sky.radiance;
+                    radiance += throughput * sky.radiance;
                 }
                 break;
             };
-            let at = scene.interaction(&hit, ray.direction);
-            let material = scene.material(&at);
-            let wo = at.wo_local();
-            if let Some(border) = &material.border {
-                absorption = border.absorption(wo.z > 0.0);
-            }
-            throughput *= transmittance(absorption, hit.t);
-            if let Some(emission) = SeenEmission::of_surface(scene, &at) {
+            if let Some(emission) = SeenEmission::of_surface(scene, &met.at) {
                 radiance += throughput * emission.radiance;
             }
 
-            let bounce = Bounce::at(depth);
-            let Some(sample) =
-                material.bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()))
-            else {
-                break;
-            };
+            let (wo, bounce) = (met.at.wo_local(), Bounce::at(depth));
+            let (choice, u) = (sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
+            let Some(sample) = met.material.bsdf.sample(wo, choice, u) else { break };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
-            if let (true, Some(border)) = (crossed, &material.border) {
-                absorption = border.absorption(wo.z < 0.0);
+            if crossed {
+                met.cross(&mut media);
             }
-            ray = at.scattered_ray(&sample, crossed);
+            ray = met.at.scattered_ray(&sample, crossed);
 
             let (from, survival) = SURVIVAL;
             if depth >= from {

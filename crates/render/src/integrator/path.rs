@@ -13,13 +13,14 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
+use super::follow::{follow, transmittance};
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;
 use crate::prepare::{Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
 use crate::settings::{Heuristic, Roulette, Strategy};
-use rutilant_geom::{Ray, Vec3, real};
+use rutilant_geom::{Ray, Vec3};
 
 /// Path tracing with light and BSDF sampling.
 pub(crate) struct Path {
@@ -37,7 +38,7 @@ struct Previous {
     position: Vec3,
     /// The density of the direction taken, in 1/sr.
     pdf: f32,
-    /// True when light sampling could not have found that direction.
+    /// True when light sampling could not have found what is met there.
     delta: bool,
 }
 
@@ -53,33 +54,29 @@ impl Integrator for Path {
         let mut throughput = Spectrum::WHITE;
         let mut ray = camera_ray;
         let mut previous: Option<Previous> = None;
-        // What the medium around the ray absorbs, in 1/m.
-        let mut absorption = scene.camera_absorption();
+        // What the path is inside of.
+        let mut media = scene.camera_media();
         // Radiance is larger inside a dense medium by this factor; it will be lost on leaving.
         let mut density_gain = 1.0;
 
         for depth in 1..=self.max_depth {
-            // Find the next surface, or leave the scene.
-            *rays += 1;
-            let Some(hit) = scene.closest(&ray) else {
+            // Find the next surface, or leave the scene, and lose what the media on the way take.
+            let way = follow(scene, &mut ray, &mut media, rays);
+            throughput *= way.through;
+            if let (true, Some(previous)) = (way.passed, &mut previous) {
+                previous.delta = true;
+            }
+            let Some(met) = way.met else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
-                    let seen = throughput * transmittance(absorption, f32::INFINITY);
-                    radiance += seen * self.weighted(scene, &sky, &ray, previous.as_ref());
+                    radiance += throughput * self.weighted(scene, &sky, &ray, previous.as_ref());
                 }
                 break;
             };
-            let at = scene.interaction(&hit, ray.direction);
-            let material = scene.material(&at);
+            let (at, material) = (&met.at, &*met.material);
             let wo = at.wo_local();
 
-            // What the medium left of the light; a border knows what is on the side we come from.
-            if let Some(border) = &material.border {
-                absorption = border.absorption(wo.z > 0.0);
-            }
-            throughput *= transmittance(absorption, hit.t);
-
             // Light that starts here, weighted against having been chosen by light sampling.
-            if let Some(emission) = SeenEmission::of_surface(scene, &at) {
+            if let Some(emission) = SeenEmission::of_surface(scene, at) {
                 radiance += throughput * self.weighted(scene, &emission, &ray, previous.as_ref());
             }
             if depth == self.max_depth {
@@ -90,7 +87,15 @@ impl Integrator for Path {
             let bounce = Bounce::at(depth);
             if !material.bsdf.is_delta() {
                 radiance += throughput
-                    * self.direct_light(scene, &at, material, absorption, sampler, bounce, rays);
+                    * self.direct_light(
+                        scene,
+                        at,
+                        material,
+                        media.absorption,
+                        sampler,
+                        bounce,
+                        rays,
+                    );
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -104,8 +109,8 @@ impl Integrator for Path {
             ray = at.scattered_ray(&sample, crossed);
             previous =
                 Some(Previous { position: ray.origin, pdf: sample.pdf, delta: sample.delta });
-            if let (true, Some(border)) = (crossed, &material.border) {
-                absorption = border.absorption(wo.z < 0.0);
+            if crossed {
+                met.cross(&mut media);
                 density_gain *= sample.eta * sample.eta;
             }
 
@@ -134,15 +139,17 @@ impl Path {
         let share = match previous {
             None => 1.0,
             Some(p) if p.delta => 1.0,
-            Some(p) => match self.strategy {
-                Strategy::BsdfOnly => 1.0,
-                Strategy::LightOnly => 0.0,
-                Strategy::Both => {
-                    let light_pdf =
-                        seen.light_pdf(scene, &self.selection, p.position, ray.direction);
-                    self.heuristic.share(p.pdf, light_pdf)
+            Some(p) => {
+                let light_pdf =
+                    || seen.light_pdf(scene, &self.selection, p.position, ray.direction);
+                match self.strategy {
+                    Strategy::BsdfOnly => 1.0,
+                    // What no light sample finds counts in full.
+                    Strategy::LightOnly if light_pdf() == 0.0 => 1.0,
+                    Strategy::LightOnly => 0.0,
+                    Strategy::Both => self.heuristic.share(p.pdf, light_pdf()),
                 }
-            },
+            }
         };
         seen.radiance * share
     }
@@ -227,12 +234,4 @@ impl Heuristic {
             Self::Power => 1.0 / (1.0 + ratio * ratio),
         }
     }
-}
-
-/// The part of light that is left after `distance` metres: exp(−σ d), Beer's law.
-pub(super) fn transmittance(absorption: Spectrum, distance: f32) -> Spectrum {
-    if absorption.is_black() {
-        return Spectrum::WHITE;
-    }
-    absorption.map(|sigma| if sigma > 0.0 { real::exp(-sigma * distance) } else { 1.0 })
 }

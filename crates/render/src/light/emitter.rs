@@ -30,6 +30,8 @@ pub enum Emitter {
     Sphere(SphereEmitter),
     /// The sky.
     Environment(EnvironmentEmitter),
+    /// A glowing custom shape: it is met, but never chosen, for nothing is known of its area.
+    Custom(Glow),
 }
 
 impl Emitter {
@@ -44,6 +46,7 @@ impl Emitter {
             Self::Disk(e) => e.sample(from, u),
             Self::Sphere(e) => e.sample(from, u),
             Self::Environment(e) => e.sample(u),
+            Self::Custom(_) => None,
         }
     }
 
@@ -52,7 +55,7 @@ impl Emitter {
     /// Both are unused by lights at infinity. Zero for lights that no ray can meet.
     pub fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
         match self {
-            Self::Point(_) | Self::Spot(_) | Self::Distant(_) => 0.0,
+            Self::Point(_) | Self::Spot(_) | Self::Distant(_) | Self::Custom(_) => 0.0,
             Self::Triangle(e) => e.pdf(from, wi, position, normal),
             Self::Parallelogram(e) => e.pdf(from, wi, position, normal),
             Self::Disk(e) => e.pdf(from, wi, position, normal),
@@ -69,6 +72,7 @@ impl Emitter {
             Self::Parallelogram(e) => Some(e.glow()),
             Self::Disk(e) => Some(e.glow()),
             Self::Sphere(e) => Some(&e.glow),
+            Self::Custom(glow) => Some(glow),
         }
     }
 
@@ -83,6 +87,7 @@ impl Emitter {
             Self::Disk(e) => e.power(),
             Self::Sphere(e) => e.power(),
             Self::Environment(e) => e.power(scene_radius),
+            Self::Custom(_) => Spectrum::BLACK,
         }
     }
 
@@ -95,7 +100,13 @@ impl Emitter {
             | Self::Triangle(_)
             | Self::Parallelogram(_)
             | Self::Disk(_)
-            | Self::Sphere(_) => false,
+            | Self::Sphere(_)
+            | Self::Custom(_) => false,
         }
+    }
+
+    /// True for lights that are met by rays but never chosen.
+    pub(crate) fn is_custom(&self) -> bool {
+        matches!(self, Self::Custom(_))
     }
 }

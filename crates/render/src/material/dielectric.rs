@@ -14,6 +14,13 @@ pub struct Dielectric {
     pub exterior: Medium,
     /// How the reflected part is computed.
     pub fresnel: Fresnel,
+    /// Which medium fills the place where bodies overlap: that of the highest priority, of equal
+    /// ones that of the first material. Its border then has what surrounds it on the other side,
+    /// and the exterior counts only where no other medium with a priority is. `None` takes no
+    /// part: interior and exterior are as declared, everywhere.
+    ///
+    /// Bodies must be closed, and must overlap rather than touch. They may not glow.
+    pub priority: Option<u32>,
 }
 
 /// A clear medium.
@@ -88,6 +95,7 @@ impl Dielectric {
             interior: Medium { ior, absorption: Absorption::None },
             exterior: Medium::AIR,
             fresnel: Fresnel::Exact,
+            priority: None,
         }
     }
 

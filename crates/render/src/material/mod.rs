@@ -1,6 +1,7 @@
 //! How surfaces look: what an author writes, and the lobes that come of it.
 
 mod conductor;
+mod custom;
 mod dielectric;
 mod emission;
 mod matte;
@@ -8,6 +9,7 @@ mod mirror;
 mod mix;
 
 pub use conductor::Conductor;
+pub use custom::{CustomMaterial, SurfacePoint};
 pub use dielectric::{Absorption, Dielectric, Medium};
 pub use emission::{Emission, EmittedLight};
 pub use matte::Matte;
@@ -15,6 +17,7 @@ pub use mirror::Mirror;
 pub use mix::Mix;
 
 use crate::problem::{Place, SceneProblem, UNIT};
+use std::sync::Arc;
 
 /// A surface: how it scatters, and the light it gives by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub enum MaterialKind {
     Dielectric(Dielectric),
     /// Two other materials in some proportion.
     Mix(Mix),
+    /// A material of others' making.
+    Custom(Arc<dyn CustomMaterial>),
 }
 
 impl Material {
@@ -67,11 +72,20 @@ impl Material {
     pub(crate) fn validate(&self, index: usize, all: &[Self]) -> Result<(), SceneProblem> {
         let place = Place::Material(index);
         match &self.kind {
-            MaterialKind::Black => {}
+            MaterialKind::Black | MaterialKind::Custom(_) => {}
             MaterialKind::Matte(m) => m.validate(place)?,
             MaterialKind::Mirror(m) => m.validate(place)?,
             MaterialKind::Conductor(m) => m.validate(place)?,
-            MaterialKind::Dielectric(m) => m.validate(place)?,
+            MaterialKind::Dielectric(m) => {
+                m.validate(place)?;
+                if m.priority.is_some() && self.emission.is_some() {
+                    return Err(place.problem(
+                        "emission",
+                        "a dielectric with a priority cannot glow: where it lies within another, \
+                         its surface is not there",
+                    ));
+                }
+            }
             MaterialKind::Mix(m) => m.validate(place, all)?,
         }
         self.emission.as_ref().map_or(Ok(()), |e| e.validate(place))
@@ -90,6 +104,9 @@ impl Mix {
                 }
                 Some(MaterialKind::Dielectric(_)) => format!(
                     "{key} is a dielectric, which cannot be mixed: what is inside would be in doubt"
+                ),
+                Some(MaterialKind::Custom(_)) => format!(
+                    "{key} is a custom material, which cannot be mixed: let it do the mixing"
                 ),
                 Some(
                     MaterialKind::Black
@@ -114,6 +131,12 @@ macro_rules! material_from {
     )*};
 }
 material_from!(Matte, Mirror, Conductor, Dielectric, Mix);
+
+impl From<Arc<dyn CustomMaterial>> for Material {
+    fn from(custom: Arc<dyn CustomMaterial>) -> Self {
+        Self::new(MaterialKind::Custom(custom))
+    }
+}
 
 impl From<Emission> for Material {
     /// A black surface that gives light: a lamp.

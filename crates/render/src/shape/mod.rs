@@ -4,10 +4,13 @@ mod mesh;
 mod smooth;
 
 pub use mesh::Mesh;
+pub use rutilant_geom::custom::{CustomHit, CustomRay, CustomShape};
 
 use crate::id::{MaterialId, MeshId};
+use crate::material::{Emission, EmittedLight, Material};
 use crate::problem::{FINITE, POSITIVE, Place, SceneProblem};
 use rutilant_geom::{Transform, Vec2, Vec3};
+use std::sync::Arc;
 
 /// A shape with a place in the world and a material.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +48,9 @@ pub enum Shape {
         /// Its sides along x, y and z, in metres.
         size: Vec3,
     },
+    /// A shape of others' making: see [`rutilant_geom::custom`]. Where it glows, its light is
+    /// found by rays that run into it; it is never chosen by light sampling.
+    Custom(Arc<dyn CustomShape>),
 }
 
 impl Object {
@@ -60,28 +66,36 @@ impl Object {
         self
     }
 
-    /// `materials` and `meshes` are how many of them there are.
     pub(crate) fn validate(
         &self,
         index: usize,
-        materials: usize,
+        materials: &[Material],
         meshes: usize,
     ) -> Result<(), SceneProblem> {
         let place = Place::Object(index);
-        if self.material.0 as usize >= materials {
+        let Some(material) = materials.get(self.material.0 as usize) else {
             return Err(place
                 .problem("material", format!("there is no material number {}", self.material.0)));
-        }
-        match self.shape {
+        };
+        match &self.shape {
             Shape::Mesh(id) if id.0 as usize >= meshes => {
                 return Err(place.problem("file", format!("there is no mesh number {}", id.0)));
             }
             Shape::Mesh(_) => {}
             Shape::Sphere { radius } | Shape::Disk { radius } => {
-                place.check("radius", [radius], POSITIVE)?;
+                place.check("radius", [*radius], POSITIVE)?;
             }
             Shape::Rectangle { size } => place.check("size", size.to_array(), POSITIVE)?,
             Shape::Box { size } => place.check("size", size.to_array(), POSITIVE)?,
+            Shape::Custom(_) => {
+                if let Some(Emission { light: EmittedLight::Power(_), .. }) = material.emission {
+                    return Err(place.problem(
+                        "material",
+                        "the area of a custom shape is not known, so no power can be spread over \
+                         it: give a radiance",
+                    ));
+                }
+            }
         }
         let world_from_object = &self.world_from_object;
         let linear = world_from_object.linear().to_cols_array();

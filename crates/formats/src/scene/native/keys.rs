@@ -47,8 +47,15 @@ pub(super) const SCATTERING: &[&str] = &["emission"];
 pub(super) const MATTE: &[&str] = &["albedo"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
 pub(super) const CONDUCTOR: &[&str] = &["eta", "k"];
-pub(super) const DIELECTRIC: &[&str] =
-    &["ior", "exterior_ior", "sigma_a", "absorption_color", "absorption_distance", "fresnel"];
+pub(super) const DIELECTRIC: &[&str] = &[
+    "ior",
+    "exterior_ior",
+    "sigma_a",
+    "absorption_color",
+    "absorption_distance",
+    "fresnel",
+    "priority",
+];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 
 pub(super) const ANY_SHAPE: &[&str] =

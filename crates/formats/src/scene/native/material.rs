@@ -142,6 +142,7 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
             Absorption::None,
         ),
         fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
+        priority: table.maybe("priority", Value::whole)?,
     })
 }
 

@@ -1,0 +1,223 @@
+//! What a ray is inside of, where media overlap: the one with the highest priority fills the place.
+//!
+//! Ice in water in a glass is modelled as closed bodies, each with one index of
+//! refraction, that overlap a little. A path keeps a list of the media it is
+//! inside. Only where the strongest of them changes is there a border, with the
+//! indices of the two strongest on its sides; at every other surface there is
+//! nothing, and the ray goes straight on. No pair of indices has to be declared,
+//! so none can be wrong.
+//!
+//! Surfaces without a priority take no part: they declare what is on both sides.
+//! Bodies must be closed; one that is left without having been entered is taken
+//! to have been entered unseen.
+//!
+//! Source: Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images",
+//! JGT 7(2), 2002.
+
+use crate::color::Spectrum;
+
+/// A clear medium as it meets light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PreparedMedium {
+    /// Index of refraction.
+    pub(crate) ior: f32,
+    /// What it absorbs, in 1/m.
+    pub(crate) absorption: Spectrum,
+}
+
+/// What fills the space on both sides of a clear surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Border {
+    /// Behind the surface, where its normals point away from.
+    pub(crate) interior: PreparedMedium,
+    /// In front of it; for a medium with a priority where no other is.
+    pub(crate) exterior: PreparedMedium,
+    /// The number of the interior among the media with a priority: the smaller the stronger.
+    pub(crate) rank: Option<u32>,
+}
+
+impl Border {
+    /// The absorption in front of the surface, or behind it.
+    pub(crate) fn absorption(&self, in_front: bool) -> Spectrum {
+        if in_front { self.exterior.absorption } else { self.interior.absorption }
+    }
+}
+
+/// What a ray is inside of, and what it goes through.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Media {
+    /// What the medium around the ray absorbs, in 1/m.
+    pub(crate) absorption: Spectrum,
+    /// The media with a priority that the ray is inside of, the strongest first.
+    inside: [Inside; Self::MOST],
+    /// How many of these there are.
+    count: usize,
+}
+
+/// A medium that a ray is inside of.
+#[derive(Clone, Copy, Debug)]
+struct Inside {
+    rank: u32,
+    /// How many bodies of it.
+    times: u32,
+    medium: PreparedMedium,
+}
+
+impl Media {
+    /// So many media with a priority can overlap at one point; of more, the weakest are overlooked.
+    pub(crate) const MOST: usize = 8;
+
+    /// Inside of nothing.
+    pub(crate) const NONE: Self = {
+        let medium = PreparedMedium { ior: 1.0, absorption: Spectrum::BLACK };
+        let inside = [Inside { rank: 0, times: 0, medium }; Self::MOST];
+        Self { absorption: Spectrum::BLACK, inside, count: 0 }
+    };
+
+    /// Notes that the ray has come through the medium in front of `border`, or behind it, and
+    /// gives the border as it is here: with the strongest media on both sides. Where those have
+    /// the same index there is no border.
+    pub(crate) fn arrive(&mut self, border: &Border, from_front: bool) -> Border {
+        let here = match border.rank {
+            None => *border,
+            Some(rank) => {
+                if !from_front && !self.inside[..self.count].iter().any(|i| i.rank == rank) {
+                    self.enter(rank, border.interior);
+                }
+                let outside = |strongest: Option<&PreparedMedium>| {
+                    strongest.copied().unwrap_or(border.exterior)
+                };
+                // As if there were none of this body, and as if there were.
+                let body = |i: &&Inside| i.rank != rank || i.times > 1 || from_front;
+                let without = self.inside[..self.count].iter().find(body);
+                let stronger = without.filter(|i| i.rank <= rank);
+                Border {
+                    interior: stronger.map_or(border.interior, |i| i.medium),
+                    exterior: outside(without.map(|i| &i.medium)),
+                    rank: Some(rank),
+                }
+            }
+        };
+        self.absorption = here.absorption(from_front);
+        here
+    }
+
+    /// Notes that the ray has crossed `border`, which is `here` at this place.
+    pub(crate) fn cross(&mut self, border: &Border, here: &Border, from_front: bool) {
+        self.absorption = here.absorption(!from_front);
+        match border.rank {
+            None => {}
+            Some(rank) if from_front => self.enter(rank, border.interior),
+            Some(rank) => self.leave(rank),
+        }
+    }
+
+    /// Notes one body more of this medium.
+    pub(crate) fn enter(&mut self, rank: u32, medium: PreparedMedium) {
+        let at = self.inside[..self.count].partition_point(|i| i.rank < rank);
+        match self.inside[..self.count].get_mut(at) {
+            Some(known) if known.rank == rank => known.times = known.times.saturating_add(1),
+            _ if at < Self::MOST => {
+                // Room is made; the weakest of too many drops out.
+                self.count = (self.count + 1).min(Self::MOST);
+                self.inside.copy_within(at..self.count - 1, at + 1);
+                self.inside[at] = Inside { rank, times: 1, medium };
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes one body less; one that was never entered changes nothing.
+    fn leave(&mut self, rank: u32) {
+        let Some(at) = self.inside[..self.count].iter().position(|i| i.rank == rank) else {
+            return;
+        };
+        self.inside[at].times -= 1;
+        if self.inside[at].times == 0 {
+            self.inside.copy_within(at + 1..self.count, at);
+            self.count -= 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The medium of this rank, told apart by its index.
+    fn border(rank: u32) -> Border {
+        let medium = |ior| PreparedMedium { ior, absorption: Spectrum::splat(ior) };
+        Border { interior: medium(2.0 + rank as f32), exterior: medium(1.0), rank: Some(rank) }
+    }
+
+    /// The indices in front and behind, after passing through.
+    fn through(media: &mut Media, rank: u32, entering: bool) -> [f32; 2] {
+        let border = border(rank);
+        let here = media.arrive(&border, entering);
+        media.cross(&border, &here, entering);
+        let around = media.inside[..media.count].first().map_or(1.0, |i| i.medium.ior);
+        assert_eq!(media.absorption, Spectrum::splat(around), "rank {rank}");
+        [here.exterior.ior, here.interior.ior]
+    }
+
+    /// Into weak water, on into strong glass, out of the water while in glass, out of the glass:
+    /// at each surface the strongest on both sides meet, and equal ones are no border.
+    #[test]
+    fn the_strongest_media_meet_at_a_border() {
+        let media = &mut Media::NONE;
+        assert_eq!(through(media, 1, true), [1.0, 3.0]);
+        assert_eq!(through(media, 0, true), [3.0, 2.0]);
+        assert_eq!(through(media, 1, false), [2.0, 2.0]);
+        assert_eq!(through(media, 0, false), [1.0, 2.0]);
+        // Two bodies of one medium are one.
+        assert_eq!(through(media, 1, true), [1.0, 3.0]);
+        assert_eq!(through(media, 1, true), [3.0, 3.0]);
+        assert_eq!(through(media, 1, false), [3.0, 3.0]);
+        assert_eq!(through(media, 1, false), [1.0, 3.0]);
+    }
+
+    /// What is left without having been entered is believed to have been around; nothing is left
+    /// over.
+    #[test]
+    fn leaving_what_was_never_entered_is_believed() {
+        let media = &mut Media::NONE;
+        assert_eq!(through(media, 3, false), [1.0, 5.0]);
+        assert_eq!(media.count, 0);
+        through(media, 4, true);
+        assert_eq!(through(media, 3, false), [6.0, 5.0]);
+        assert_eq!(through(media, 4, false), [1.0, 6.0]);
+        assert_eq!(media.count, 0);
+    }
+
+    /// Against a list without limits and without order: random entering and leaving of few
+    /// enough media at once gives the same neighbours, and of too many it forgets only weak ones.
+    #[test]
+    fn lists_of_any_length_keep_the_strongest() {
+        for most in [Media::MOST as u32, 3 * Media::MOST as u32] {
+            let (mut media, mut truth) = (Media::NONE, Vec::<u32>::new());
+            let mut state = 12345_u32;
+            for step in 0..20_000 {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let rank = (state >> 16) % most;
+                let entering = state >> 31 == 0;
+                let strongest = |list: &[u32]| list.iter().min().map_or(1.0, |r| 2.0 + *r as f32);
+                let before = strongest(&truth);
+                if entering {
+                    truth.push(rank);
+                } else if let Some(at) = truth.iter().position(|r| *r == rank) {
+                    truth.swap_remove(at);
+                } else {
+                    continue;
+                }
+                let beyond = strongest(&truth);
+                let [front, back] = through(&mut media, rank, entering);
+                if most as usize == Media::MOST {
+                    let expected = if entering { [before, beyond] } else { [beyond, before] };
+                    assert_eq!([front, back], expected, "step {step}");
+                }
+                assert!(media.count <= Media::MOST);
+                assert!(media.inside[..media.count].windows(2).all(|w| w[0].rank < w[1].rank));
+            }
+        }
+    }
+}
