@@ -36,7 +36,7 @@ fn hold(name: &str, count: u64) {
         // What once went wrong is kept under such a name; all else is a good beginning.
         let read = check(reader, bytes, || file.clone());
         assert!(read || file.starts_with("bad-"), "{name}/{file} is refused");
-        if name != "render" {
+        if name != "scene_render" {
             cut_everywhere(bytes, |cut| {
                 check(reader, cut, || format!("{file} cut at {}", cut.len()));
             });
@@ -66,5 +66,5 @@ macro_rules! damage {
 
 damage! {
     native: 10000, obj: 10000, mtl: 10000, ply: 10000, exr: 10000, hdr: 10000, pfm: 10000,
-    png: 10000, jpeg: 10000, render: 1000
+    png: 10000, jpeg: 10000, scene_render: 1000
 }

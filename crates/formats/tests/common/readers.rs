@@ -44,7 +44,7 @@ pub(crate) const READERS: &[Reader] = &[
         check: |bytes| image(bytes, "a.jpg"),
         words: &[b"\xff\xda", b"\xff\xd9"],
     },
-    Reader { name: "render", check: render, words: NATIVE_WORDS },
+    Reader { name: "scene_render", check: scene_render, words: NATIVE_WORDS },
 ];
 
 /// Pieces that matter to TOML, or to the scenes written in it.
@@ -225,7 +225,7 @@ fn image(bytes: &[u8], name: &str) -> bool {
 
 /// From text to a picture of 8x8 pixels, everything limited: all of the renderer behind the
 /// reader. Whatever the scene, the picture is finite.
-fn render(bytes: &[u8]) -> bool {
+fn scene_render(bytes: &[u8]) -> bool {
     let limits = Limits {
         vertices: 1000,
         triangles: 1000,
