@@ -1,8 +1,5 @@
 //! OBJ and MTL: every legal spelling is understood, everything else is refused at its place.
 
-mod common;
-
-use common::{cut_everywhere, mutations};
 use rutilant::color::Rgb;
 use rutilant::geom::{Vec2, Vec3};
 use rutilant::material::{
@@ -513,30 +510,4 @@ fn material_files_stay_in_the_folder() {
         assert!(scene.materials.is_empty(), "{name}");
         assert_eq!(scene.notes.len(), 1);
     }
-}
-
-/// A file that uses all of the format, for damaging.
-const RICH: &str = "\u{feff}# all of it\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0 1\nv 1 1 0\n\
-    v 0 1 0\r\nv .5 .5 1e0\nvt 0 0\nvt 1 1 0\nvn 0 0 1\ng a b\ns 1\nusemtl my material\n\
-    f 1/1/1 2/2/1 3/1/1 4/2/1\nf -1 -2 \\\n -3\nusemtl other\nf 1//1 2//-1 3//1\nl 1 2\n\
-    f 1 2 3 4 5\n";
-
-/// Whatever the bytes: a scene that is sound, or an error of one line.
-#[test]
-fn damaged_files_never_panic() {
-    let check = |bytes: &[u8]| match obj::read_bytes(bytes, Path::new("a.obj"), &Limits::default())
-    {
-        Ok(scene) => {
-            for (mesh, _) in scene.meshes {
-                let count = mesh.positions.len();
-                assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < count));
-                assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
-                assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count);
-            }
-        }
-        Err(error) => assert!(!error.to_string().contains('\n')),
-    };
-    check(RICH.as_bytes());
-    cut_everywhere(RICH.as_bytes(), check);
-    mutations(RICH.as_bytes(), 30_000).for_each(|mutant| check(&mutant));
 }

@@ -15,6 +15,7 @@ use super::check;
 use super::options::{Precision, WriteOptions};
 use crate::limits::Limits;
 use crate::shown::shown;
+use ::exr::meta::BlockDescription;
 use ::exr::meta::attribute::{AttributeValue, Text};
 use ::exr::meta::header::{Header, standard_names};
 use ::exr::prelude::{
@@ -26,6 +27,9 @@ use std::io::Cursor;
 
 /// Of the codes that OpenEXR has, deflate makes the most of a byte.
 const EXPANSION: u64 = 1032;
+
+/// Blocks of so many bytes may be declared by any file: few tiles, and few scan lines, are larger.
+const LARGEST_FREE_BLOCK: u64 = 1 << 26;
 
 /// Below so many pixels, threads cost more than they give.
 const PARALLEL_FROM: u64 = 1 << 18;
@@ -77,7 +81,19 @@ fn check_header(header: &Header, bytes: usize, limits: &Limits) -> Result<(), St
     }
     let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
     let pixel_bytes = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample() as u64);
-    check::size(width, height, limits, pixel_bytes.sum(), bytes, EXPANSION)?;
+    let pixel_bytes: u64 = pixel_bytes.sum();
+    check::size(width, height, limits, pixel_bytes, bytes, EXPANSION)?;
+    // A block takes memory as soon as it states its size, which may be that of a whole one.
+    let (columns, rows) = match header.blocks {
+        BlockDescription::Tiles(tiles) => {
+            (tiles.tile_size.width() as u64, tiles.tile_size.height() as u64)
+        }
+        BlockDescription::ScanLines => (width, header.compression.scan_lines_per_block() as u64),
+    };
+    let block = columns.saturating_mul(rows).saturating_mul(pixel_bytes);
+    if block > (bytes as u64).saturating_mul(EXPANSION).saturating_add(LARGEST_FREE_BLOCK) {
+        return Err(format!("blocks of {columns}x{rows} pixels are too large for {bytes} bytes"));
+    }
     // Each block of pixels has at least an entry of 8 bytes in a table.
     let blocks = header.chunk_count as u64;
     if blocks.saturating_mul(8) > bytes as u64 {

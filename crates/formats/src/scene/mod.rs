@@ -5,7 +5,7 @@ mod files;
 mod framing;
 pub(crate) mod loaded;
 mod mesh_file;
-mod mtl;
+pub mod mtl;
 pub(crate) mod native;
 mod nearest;
 pub mod obj;

@@ -28,21 +28,27 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 /// What an MTL file holds.
-#[derive(Debug, Default)]
-pub(super) struct Library {
+#[derive(Clone, Debug, Default)]
+pub struct Library {
     /// Its materials, each name once.
     pub materials: Vec<Material>,
     /// What was left out or changed: one line each.
     pub notes: Vec<String>,
 }
 
-/// The materials in the MTL file at `path`.
-pub(super) fn read(path: &Path, limits: &Limits) -> Result<Library, SceneError> {
+/// The materials in the MTL file at `path`, and notes on what was left out.
+///
+/// # Errors
+/// A file that cannot be read, breaks the format or exceeds the `limits`.
+pub fn read(path: &Path, limits: &Limits) -> Result<Library, SceneError> {
     read_bytes(&file::scene_bytes(path, limits)?, path)
 }
 
 /// As [`read`], for the content of a file; `path` is only for messages.
-pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<Library, SceneError> {
+///
+/// # Errors
+/// As [`read`].
+pub fn read_bytes(bytes: &[u8], path: &Path) -> Result<Library, SceneError> {
     let mut parser = Parser {
         bytes,
         path,
@@ -333,38 +339,5 @@ impl<'a> Parser<'a> {
 
     fn invalid(&self, at: usize, what: String) -> SceneError {
         SceneError { at: place(self.path, self.bytes, at), kind: SceneErrorKind::Invalid(what) }
-    }
-}
-
-#[cfg(test)]
-#[path = "../../tests/common/mod.rs"]
-mod common;
-
-#[cfg(test)]
-mod tests {
-    use super::common::{cut_everywhere, mutations};
-    use super::*;
-    use rutilant::camera::Perspective;
-    use rutilant::geom::Vec3;
-    use rutilant::scene::Scene;
-
-    /// Whatever the bytes: materials that can be rendered, or an error of one line.
-    #[test]
-    fn damaged_files_never_panic() {
-        const MTL: &[u8] = b"# all of it\nnewmtl my material\nKa 1 1 1\nKd 0.5\nKs .1 .2 .3\n\
-            Ke 1 2 3\r\nTf 0.5 0.5 0.5\nNi 1.5\nd -halo 0.5\nTr 0.5\nillum 7\nNs 100\n\
-            map_Kd -s 1 1 a b.png\nnewmtl other\nKd xyz 1 1\nillum 5\nKs 1 \\\n 1 1\n";
-        let camera = Perspective::look_at(Vec3::Z, Vec3::ZERO, 1.0).expect("a view");
-        let mut scene = Scene::new(camera);
-        let mut check = |bytes: &[u8]| match read_bytes(bytes, Path::new("a.mtl")) {
-            Ok(library) => {
-                scene.materials = library.materials;
-                scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
-            }
-            Err(error) => assert!(!error.to_string().contains('\n')),
-        };
-        check(MTL);
-        cut_everywhere(MTL, &mut check);
-        mutations(MTL, 30_000).for_each(|mutant| check(&mutant));
     }
 }

@@ -529,6 +529,8 @@ impl Parsed<'_> {
         {
             let (triangles, _) = group.v.as_chunks::<3>();
             let name = group.material.map(|m| self.materials[m].clone());
+            // How many there would be was not known before.
+            self.positions.shrink_to_fit();
             let mesh = Mesh {
                 name: name.clone().unwrap_or_default(),
                 positions: self.positions,
@@ -589,6 +591,9 @@ impl Parsed<'_> {
             }));
         }
         welder.forget(&group.v);
+        mesh.positions.shrink_to_fit();
+        mesh.uvs.shrink_to_fit();
+        mesh.normals.shrink_to_fit();
 
         let asked = mesh.positions.len() as u64;
         let allowed = self.limits.vertices;

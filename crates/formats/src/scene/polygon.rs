@@ -23,9 +23,9 @@ pub(super) struct Triangulator {
     pub(super) cut_short: u64,
 }
 
-/// Looks at a corner per file: enough for several outlines of ten thousand corners each, and done
-/// in about a second.
-const MOST_WORK: u64 = 1 << 29;
+/// Looks at a corner per file: enough for an outline of ten thousand corners, and done in less
+/// than a second.
+const MOST_WORK: u64 = 1 << 27;
 
 impl Triangulator {
     pub(super) fn new() -> Self {

@@ -162,6 +162,24 @@ mod unix {
     }
 }
 
+/// A device may never stop sending. It is refused even where any path is allowed.
+#[cfg(unix)]
+#[test]
+fn devices_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero.obj")).expect("a link");
+    let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
+    for (options, expected) in [
+        (ReadOptions::default(), "leads out of the scene's folder through a symbolic link"),
+        (allowed, "\"zero.obj\" is a pipe or a device, not a file"),
+    ] {
+        let said = said(folder.path(), "zero.obj", &options);
+        assert!(said.contains(expected), "{said}");
+    }
+    let error = read_scene(&folder.path().join("zero.obj"), &allowed).expect_err("a device");
+    assert!(error.to_string().ends_with("this is a pipe or a device, not a file"), "{error}");
+}
+
 /// The scene file itself: missing, a folder, too large, not text, of no known kind.
 #[test]
 fn scene_files_are_checked() {

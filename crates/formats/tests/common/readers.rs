@@ -1,0 +1,261 @@
+//! Every reader of untrusted bytes, and what must hold for whatever it is given: a sound value,
+//! or an error of one line. Never a panic.
+//!
+//! Tests, the `mutate` example and the fuzz targets all hold the readers to this.
+
+use rutilant::camera::Perspective;
+use rutilant::geom::Vec3;
+use rutilant::scene::Scene;
+use rutilant::settings::Settings;
+use rutilant::shape::Mesh;
+use rutilant::{Prepared, Session};
+use rutilant_formats::scene::{mtl, obj, ply};
+use rutilant_formats::{Limits, ReadOptions, image, parse_native};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A reader, by the name of its folder in `fuzz/corpus`.
+#[derive(Clone, Copy)]
+pub(crate) struct Reader {
+    pub(crate) name: &'static str,
+    /// Reads, and says whether there was something sound to read; panics where a promise is broken.
+    pub(crate) check: fn(&[u8]) -> bool,
+    /// Words that matter to the format, to be put where they hurt.
+    pub(crate) words: &'static [&'static [u8]],
+}
+
+/// All of them.
+pub(crate) const READERS: &[Reader] = &[
+    Reader { name: "native", check: native, words: NATIVE_WORDS },
+    Reader { name: "obj", check: obj, words: OBJ_WORDS },
+    Reader { name: "mtl", check: mtl, words: MTL_WORDS },
+    Reader { name: "ply", check: ply, words: PLY_WORDS },
+    Reader { name: "exr", check: |bytes| image(bytes, "a.exr"), words: &[] },
+    Reader { name: "hdr", check: |bytes| image(bytes, "a.hdr"), words: &[] },
+    Reader { name: "pfm", check: |bytes| image(bytes, "a.pfm"), words: &[] },
+    Reader {
+        name: "png",
+        check: |bytes| image(bytes, "a.png"),
+        words: &[b"zTXt", b"PLTE", b"tRNS"],
+    },
+    Reader {
+        name: "jpeg",
+        check: |bytes| image(bytes, "a.jpg"),
+        words: &[b"\xff\xda", b"\xff\xd9"],
+    },
+    Reader { name: "scene_render", check: scene_render, words: NATIVE_WORDS },
+];
+
+/// Pieces that matter to TOML, or to the scenes written in it.
+const NATIVE_WORDS: &[&[u8]] = &[
+    b"[",
+    b"]",
+    b"[[",
+    b"]]",
+    b"{",
+    b"}",
+    b"\"",
+    b"\"\"\"",
+    b"'",
+    b"=",
+    b".",
+    b",",
+    b"0x",
+    b"true",
+    "\u{e9}".as_bytes(),
+    "\u{feff}".as_bytes(),
+    b"1979-05-27T07:32:00Z",
+    b"[shape]\n",
+    b"[[shape]]\n",
+    b"[[light]]\n",
+    b"type = ",
+    b"\"mesh\"",
+    b"\"\"",
+    b"size = 0\n",
+    b"[material.emission]\n",
+    b"version",
+    b"1e38",
+    b"1e-45",
+    b"1e-20",
+    b"1e7",
+    b"-1e7",
+    b"radius",
+    b"scale",
+    b"max_depth = 1\n",
+    b"\"dielectric\"",
+    b"\"mix\"",
+    b"\"depth\"",
+];
+const OBJ_WORDS: &[&[u8]] = &[
+    b"f ",
+    b"v ",
+    b"vt ",
+    b"vn ",
+    b"usemtl ",
+    b"mtllib ",
+    b"-2",
+    b"1/1/1",
+    b"1//1",
+    b"\nf 1 1 1\n",
+    b"\xef\xbb\xbf",
+];
+const MTL_WORDS: &[&[u8]] = &[
+    b"newmtl ",
+    b"Kd ",
+    b"Ks ",
+    b"Ke ",
+    b"Tf ",
+    b"Ni ",
+    b"d ",
+    b"Tr ",
+    b"illum ",
+    b"Pr ",
+    b"Pm ",
+    b"map_Kd ",
+    b"-halo ",
+    b"spectral ",
+    b"xyz ",
+    b"1e-40",
+    b"3e38",
+];
+const PLY_WORDS: &[&[u8]] = &[
+    b"list ",
+    b"property ",
+    b"element ",
+    b"vertex ",
+    b"face ",
+    b"tristrips ",
+    b"uchar ",
+    b"double ",
+    b"char ",
+    b"end_header\n",
+    b"vertex_indices\n",
+];
+
+/// An error of one line that is no page: nothing was read.
+fn refused(error: &dyn std::error::Error) -> bool {
+    let text = error.to_string();
+    assert!(!text.contains(['\n', '\r']), "several lines: {text:?}");
+    assert!(text.len() < 1000, "{} bytes", text.len());
+    assert!(!text.contains("stumbled"), "the last net caught a panic of a decoder");
+    false
+}
+
+fn checked_notes(notes: &[String]) {
+    assert!(
+        notes.iter().all(|note| !note.contains(['\n', '\r']) && note.len() < 2000),
+        "{notes:?}"
+    );
+}
+
+fn checked_mesh(mesh: &Mesh) {
+    let count = mesh.positions.len();
+    assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < count));
+    assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
+    assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count);
+}
+
+/// The scenes name this sky, and a folder that does not exist: nothing of the disk is read.
+const SKY: &[u8] = b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x20\x40\x60\x84";
+
+fn options() -> ReadOptions<'static> {
+    ReadOptions { embedded: &[("sky.hdr", SKY)], ..ReadOptions::default() }
+}
+
+fn native(bytes: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(bytes);
+    match parse_native(&text, Path::new("nowhere/scene.toml"), &options()) {
+        Ok(loaded) => {
+            checked_notes(&loaded.notes);
+            loaded.scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            loaded.settings.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            true
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+fn obj(bytes: &[u8]) -> bool {
+    match obj::read_bytes(bytes, Path::new("a.obj"), &Limits::default()) {
+        Ok(scene) => {
+            checked_notes(&scene.notes);
+            scene.meshes.iter().for_each(|(mesh, _)| checked_mesh(mesh));
+            true
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+fn mtl(bytes: &[u8]) -> bool {
+    match mtl::read_bytes(bytes, Path::new("a.mtl")) {
+        Ok(library) => {
+            checked_notes(&library.notes);
+            let camera = Perspective::look_at(Vec3::Z, Vec3::ZERO, 1.0).expect("a view");
+            let mut scene = Scene::new(camera);
+            scene.materials = library.materials;
+            scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            true
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+fn ply(bytes: &[u8]) -> bool {
+    match ply::read_bytes(bytes, Path::new("a.ply"), &Limits::default()) {
+        Ok((mesh, notes)) => {
+            checked_notes(&notes);
+            checked_mesh(&mesh);
+            true
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+fn image(bytes: &[u8], name: &str) -> bool {
+    match image::read_bytes(bytes, Path::new(name), &Limits::default()) {
+        Ok(image) => {
+            let pixels = image.width() as usize * image.height() as usize;
+            assert!(pixels > 0 && image.channels().iter().all(|c| c.values.len() == pixels));
+            true
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+/// From text to a picture of 8x8 pixels, everything limited: all of the renderer behind the
+/// reader. Whatever the scene, the picture is finite.
+fn scene_render(bytes: &[u8]) -> bool {
+    let limits = Limits {
+        vertices: 1000,
+        triangles: 1000,
+        objects: 200,
+        pixels: 1 << 12,
+        ..Limits::default()
+    };
+    let text = String::from_utf8_lossy(bytes);
+    let options = ReadOptions { limits, ..options() };
+    let Ok(loaded) = parse_native(&text, Path::new("nowhere/scene.toml"), &options) else {
+        return false;
+    };
+    let prepared = match Prepared::new(&loaded.scene) {
+        Ok(prepared) => Arc::new(prepared),
+        Err(problem) => panic!("what validates can be prepared, but {problem}"),
+    };
+    let max_depth = loaded.settings.max_depth.unwrap_or(u32::MAX).min(8);
+    let settings = Settings {
+        size: [8, 8],
+        crop: None,
+        spp: 1,
+        max_depth: Some(max_depth),
+        ..loaded.settings
+    };
+    let session = Session::start(prepared, settings, 1).unwrap_or_else(|e| panic!("{e}"));
+    // Longer than any such picture takes: whoever calls has a clock of their own.
+    assert!(session.wait(Duration::from_secs(60)), "no end");
+    let progress = session.progress();
+    assert_eq!(progress.samples, 1, "the rendering ended by itself");
+    let image = session.snapshot();
+    assert!(image.channels().iter().all(|c| c.values.iter().all(|v| v.is_finite())));
+    true
+}

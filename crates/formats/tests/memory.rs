@@ -1,0 +1,126 @@
+//! How much memory reading takes: so many bytes for a triangle, and none for what is not asked for.
+//!
+//! In a process of its own, since the system counts memory by process. With times as well, and at
+//! any size: `cargo run --release -p rutilant-formats --example load -- 1000000`.
+
+#[path = "common/load.rs"]
+mod load;
+
+use load::{BUDGETS, forget_peak, memory, write_hills};
+use rutilant_formats::{Limits, ReadOptions, read_scene};
+
+/// The system counts memory by process, so these two take turns.
+#[test]
+fn memory_is_bounded() {
+    a_triangle_takes_few_bytes();
+    text_bombs_stay_packed();
+}
+
+/// The old program kept a hundred bytes for each triangle, and as many again while it read.
+/// Here: two vertices share four triangles, and nothing is stored twice.
+fn a_triangle_takes_few_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for budget in BUDGETS {
+        let path = folder.path().join("hills").with_extension(budget.format);
+        let triangles = write_hills(&path, 400).expect("written") as f64;
+        let (true, Some(before)) = (forget_peak(), memory("VmRSS")) else {
+            eprintln!("skipped: this system does not tell how much memory a process had");
+            return;
+        };
+        let loaded = read_scene(&path, &ReadOptions::default()).expect("read");
+        let [peak, after] = ["VmHWM", "VmRSS"].map(|name| memory(name).expect("told"));
+        let each = |bytes: u64| bytes.saturating_sub(before) as f64 / triangles;
+        let format = budget.format;
+        assert!(each(peak) <= budget.bytes, "{format}: {:.1} bytes at the peak", each(peak));
+        assert!(each(after) <= 40.0, "{format}: {:.1} bytes stay", each(after));
+        // The arrays themselves, by count: 12 bytes for a triangle, 12 for a vertex.
+        let mesh = &loaded.scene.meshes[0];
+        let bytes = 12 * mesh.positions.capacity() + 12 * mesh.triangles.capacity();
+        assert_eq!(mesh.triangles.len() as f64, triangles);
+        assert!(bytes as f64 <= 19.0 * triangles, "{format}: {bytes} bytes in arrays");
+    }
+}
+
+/// Bits of deflate, lowest first in each byte.
+struct Bits {
+    bytes: Vec<u8>,
+    used: u32,
+}
+
+impl Bits {
+    fn push(&mut self, bits: u32, count: u32) {
+        for i in 0..count {
+            if self.used % 8 == 0 {
+                self.bytes.push(0);
+            }
+            let last = self.bytes.len() - 1;
+            self.bytes[last] |= ((bits >> i & 1) as u8) << (self.used % 8);
+            self.used += 1;
+        }
+    }
+}
+
+/// A zlib stream of more than `size` zeros. A match of 258 bytes takes 13 bits.
+fn zeros(size: usize) -> Vec<u8> {
+    let mut bits = Bits { bytes: vec![0x78, 0x9c], used: 16 };
+    // The last block, with fixed codes; a literal 0; matches of 258 bytes one byte back. Codes
+    // are written from their highest bit on.
+    bits.push(0b011, 3);
+    bits.push(u32::from(0b0011_0000_u8.reverse_bits()), 8);
+    for _ in 0..size.div_ceil(258) {
+        bits.push(u32::from(0b1100_0101_u8.reverse_bits()), 8);
+        bits.push(0, 5);
+    }
+    // The end of the block.
+    bits.push(0, 7);
+    bits.bytes
+}
+
+/// The checksum of PNG chunks: CRC-32, bit by bit.
+fn checksum(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc: u32, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 }
+        })
+    })
+}
+
+fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
+    let named = [name.as_slice(), data].concat();
+    let length = (data.len() as u32).to_be_bytes();
+    [length.as_slice(), &named, &checksum(&named).to_be_bytes()].concat()
+}
+
+/// Two megabytes of compressed text, or of a colour profile, that unpack to a quarter of a
+/// gigabyte: nobody asks for them, so nobody unpacks them.
+fn text_bombs_stay_packed() {
+    let bomb = zeros(256 << 20);
+    let pixels = {
+        // A pixel of 8-bit grey: its filter, 0, and its value, 0.
+        let mut bits = Bits { bytes: vec![0x78, 0x9c], used: 16 };
+        bits.push(0b011, 3);
+        bits.push(u32::from(0b0011_0000_u8.reverse_bits()), 8);
+        bits.push(u32::from(0b0011_0000_u8.reverse_bits()), 8);
+        bits.push(0, 7);
+        // Adler-32 of two zeros.
+        [bits.bytes.as_slice(), &0x0002_0001_u32.to_be_bytes()].concat()
+    };
+    for (name, head) in
+        [(b"zTXt", &b"key\0\0"[..]), (b"iTXt", b"key\0\x01\0\0\0"), (b"iCCP", b"profile\0\0")]
+    {
+        let png = [
+            b"\x89PNG\r\n\x1a\n".to_vec(),
+            chunk(b"IHDR", &[0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0]),
+            chunk(name, &[head, &bomb].concat()),
+            chunk(b"IDAT", &pixels),
+            chunk(b"IEND", &[]),
+        ]
+        .concat();
+        let (true, Some(before)) = (forget_peak(), memory("VmRSS")) else { return };
+        let image = rutilant_formats::image::read_bytes(&png, "a.png".as_ref(), &Limits::default())
+            .expect("an image");
+        assert_eq!(image.channels()[0].values, [0.0]);
+        let grown = memory("VmHWM").expect("told").saturating_sub(before);
+        assert!(grown < 32 << 20, "{} took {grown} bytes", String::from_utf8_lossy(name));
+    }
+}
