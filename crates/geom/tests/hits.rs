@@ -18,7 +18,7 @@ use rutilant_geom::{BuildOptions, Ray, Surfaces, Vec3};
 #[test]
 fn hits_equal_the_textbook() {
     for (name, scene) in meshes::hard_scenes() {
-        let rays = 100_000_u64;
+        let rays = 50_000_u64;
         let unsure = (0..rays)
             .into_par_iter()
             .filter(|&i| {
@@ -35,7 +35,7 @@ fn hits_equal_the_textbook() {
 #[test]
 fn the_tree_changes_no_bit() {
     for (name, scene) in meshes::hard_scenes() {
-        (0..40_000_u64).into_par_iter().for_each(|i| {
+        (0..20_000_u64).into_par_iter().for_each(|i| {
             let ray = aimed_ray(&scene, &mut Random(i << 20));
             let triangle_ray = TriangleRay::new(&ray);
             let triangles = (0..scene.triangles().len() as u32).filter_map(|i| {

@@ -123,6 +123,79 @@ fn the_heuristic_divides_exactly_where_it_pays() {
     }
 }
 
+/// The cost, times the area of `boxes` together, of the tree that divides from the top where trying
+/// every division finds the cheapest: all n − 1 along each axis, in the order of the middles.
+fn swept_cost(boxes: &mut [Aabb], options: &BuildOptions) -> f64 {
+    let order = |boxes: &mut [Aabb], axis: usize| {
+        boxes.sort_by(|a, b| a.center()[axis].total_cmp(&b.center()[axis]));
+    };
+    // Areas of the first 1, 2, … boxes.
+    let areas = |boxes: &mut dyn Iterator<Item = &Aabb>| -> Vec<f64> {
+        let all = boxes.scan(Aabb::EMPTY, |all, b| {
+            *all = all.union(*b);
+            Some(half_area(all))
+        });
+        all.collect()
+    };
+    let n = boxes.len();
+    let mut best: Option<(f64, usize, usize)> = None;
+    for axis in 0..3 {
+        order(boxes, axis);
+        let (left, right) = (areas(&mut boxes.iter()), areas(&mut boxes.iter().rev()));
+        for i in 1..n {
+            let cost = left[i - 1] * i as f64 + right[n - i - 1] * (n - i) as f64;
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, axis, i));
+            }
+        }
+    }
+    let each = f64::from(options.intersection_cost);
+    let area = areas(&mut boxes.iter())[n - 1];
+    let (leaf, dividing) = (each * area * n as f64, f64::from(options.traversal_cost) * area);
+    match best {
+        Some((cost, axis, i)) if n > options.max_leaf as usize || dividing + each * cost < leaf => {
+            order(boxes, axis);
+            let (left, right) = boxes.split_at_mut(i);
+            dividing + swept_cost(left, options) + swept_cost(right, options)
+        }
+        _ => leaf,
+    }
+}
+
+/// Eight bins find trees nearly as cheap as trying every division: 2 % more on average, 5 % at
+/// most; sixty-four bins come within 2 % wherever middles differ at all. A plane left out, a bin
+/// counted twice or a leaf made too early costs more.
+#[test]
+fn the_tree_costs_hardly_more_than_by_trying_everything() {
+    let mut scenes = meshes::hard_scenes();
+    scenes.extend(
+        meshes::closed_meshes().into_iter().map(|(n, mesh, ..)| (n, meshes::surfaces(mesh))),
+    );
+    let mut sum_of_logs = 0.0;
+    for (name, scene) in &scenes {
+        let triangles =
+            (0..scene.triangles().len() as u32).map(|i| Aabb::around(scene.triangle(i)));
+        let round = scene.spheres().iter().map(Sphere::bounds);
+        let boxes: Vec<Aabb> =
+            triangles.chain(round).chain(scene.disks().iter().map(Disk::bounds)).collect();
+        let all = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(*b));
+        let more = |bins| {
+            let options = BuildOptions { bins, ..BuildOptions::default() };
+            let cost = check_tree(&Bvh::build(&boxes, &options), &boxes, &options);
+            cost / (swept_cost(&mut boxes.clone(), &options) / half_area(&all))
+        };
+        let (eight, many) = (more(8), more(64));
+        println!("{name}: {eight:.4} with 8 bins, {many:.4} with 64");
+        assert!(eight < 1.05, "{name}: {eight}");
+        // Shells around one point have the same middle: nothing to divide by but their order.
+        assert!(many < if *name == "shells" { 1.05 } else { 1.02 }, "{name}: {many}");
+        sum_of_logs += eight.ln();
+    }
+    let average = (sum_of_logs / scenes.len() as f64).exp();
+    println!("on average {average:.4}");
+    assert!(average < 1.02, "{average}");
+}
+
 /// Every bit of every node, for any number of threads.
 #[test]
 fn the_tree_does_not_depend_on_threads() {

@@ -112,7 +112,7 @@ pub(crate) fn soup(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Mesh {
     (positions, triangles)
 }
 
-/// Four scenes of a few hundred primitives, each hard in its own way.
+/// Eight scenes of a few hundred primitives, each hard in its own way.
 pub(crate) fn hard_scenes() -> Vec<(&'static str, Surfaces)> {
     let mut random = Random(1);
     let r = &mut random;
@@ -153,7 +153,71 @@ pub(crate) fn hard_scenes() -> Vec<(&'static str, Surfaces)> {
     let (positions, triangles) = soup(triangles);
     let mixed = Surfaces::new(positions, triangles, spheres, disks, &BuildOptions::default());
 
-    vec![("soup", some), ("round", round), ("needles", needles), ("mixed and far", mixed)]
+    // Each triangle four times, turned and flipped, some with a neighbour in the same plane:
+    // whatever is hit first is hit several times at the same place.
+    let copies = (0..80).flat_map(|_| {
+        let [a, b, c] = [(); 3].map(|()| r.point());
+        [[a, b, c], [b, c, a], [a, c, b], [a, b, c], [a, (a + b) * 0.5, c]]
+    });
+    let copies = surfaces(soup(copies));
+
+    // From a hair's breadth to a mountain range around the same point, in everything there is.
+    let size = |r: &mut Random| r.size(-6, 3);
+    let triangles: Vec<_> = (0..200)
+        .map(|_| {
+            let (size, p) = (size(r), r.point());
+            [p, p + r.point(), p + r.point()].map(|p| p * size)
+        })
+        .collect();
+    let spheres = (0..100)
+        .map(|_| {
+            let size = size(r);
+            Sphere { center: r.point() * size, radius: size * r.size(-3, 0) }
+        })
+        .collect();
+    let disks = (0..100)
+        .map(|_| {
+            let size = size(r);
+            Disk { center: r.point() * size, u: r.point() * size, v: r.point() * size }
+        })
+        .collect();
+    let (positions, triangles) = soup(triangles);
+    let scales = Surfaces::new(positions, triangles, spheres, disks, &BuildOptions::default());
+
+    // Open: a hilly field on an even grid, so that many rays aim along columns of shared edges.
+    let side = 15_u32;
+    let positions = (0..side * side)
+        .map(|i| Vec3::new((i % side) as f32, (r.unit() * 4.0).floor(), (i / side) as f32))
+        .collect();
+    let squares = (0..side * (side - 1)).filter(|i| i % side != side - 1);
+    let field = squares.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]);
+    let field = surfaces((positions, field.collect()));
+
+    // Closed: shells one inside the other, a hair apart, with balls and disks between and in them.
+    let mut shells = (vec![], vec![]);
+    for radius in [1.0_f32, 1.000_001, 1.001, 1.1] {
+        let (positions, triangles) = moved(icosphere(1), |p| p * radius);
+        let first = shells.0.len() as u32;
+        shells.0.extend(positions);
+        shells.1.extend(triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    let ball = |radius| Sphere { center: Vec3::ZERO, radius };
+    let spheres = vec![ball(0.5), ball(0.5 + 1e-6), ball(1.05), ball(1.2)];
+    let lid = |z| Disk { center: Vec3::Z * z, u: Vec3::X * 0.6, v: Vec3::Y * 0.6 };
+    let disks = vec![lid(0.5), lid(-0.5), lid(0.0), lid(0.0)];
+    let (positions, triangles) = shells;
+    let shells = Surfaces::new(positions, triangles, spheres, disks, &BuildOptions::default());
+
+    vec![
+        ("soup", some),
+        ("round", round),
+        ("needles", needles),
+        ("mixed and far", mixed),
+        ("duplicates", copies),
+        ("mixed scales", scales),
+        ("hilly field", field),
+        ("shells", shells),
+    ]
 }
 
 /// From within the box `middle ± half`, exactly at a vertex, at the middle of an
