@@ -198,13 +198,7 @@ impl Surfaces {
             Leaf::Disk(i) => {
                 self.disks[i as usize].intersect(ray).map(|hit| (hit.t, [hit.a, hit.b]))
             }
-            Leaf::Custom(i) => {
-                let hit = self.customs[i as usize].intersect(ray)?;
-                if custom.is_none_or(|(j, nearest)| (hit.t, i) < (nearest.t, j)) {
-                    custom = Some((i, hit));
-                }
-                Some((hit.t, hit.uv))
-            }
+            Leaf::Custom(i) => self.meet_custom(i, ray, &mut custom),
         })?;
 
         // Where exactly, in double precision; rounded once at the end.
@@ -239,8 +233,25 @@ impl Surfaces {
             }
             Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).is_some(),
             Leaf::Disk(i) => self.disks[i as usize].intersect(ray).is_some(),
-            Leaf::Custom(i) => self.customs[i as usize].intersect(ray).is_some(),
+            Leaf::Custom(i) => self.meet_custom(i, ray, &mut None).is_some(),
         })
+    }
+
+    /// Meets a custom shape, and keeps what it said if that is nearer than `nearest`. Apart, so
+    /// that the loops over the common surfaces stay tight.
+    #[cold]
+    #[inline(never)]
+    fn meet_custom(
+        &self,
+        i: u32,
+        ray: &Ray,
+        nearest: &mut Option<(u32, CustomHit)>,
+    ) -> Option<(f64, [f64; 2])> {
+        let hit = self.customs[i as usize].intersect(ray)?;
+        if nearest.is_none_or(|(j, nearest)| (hit.t, i) < (nearest.t, j)) {
+            *nearest = Some((i, hit));
+        }
+        Some((hit.t, hit.uv))
     }
 }
 

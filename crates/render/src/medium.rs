@@ -32,7 +32,7 @@ pub(crate) struct Border {
     pub(crate) interior: PreparedMedium,
     /// In front of it; for a medium with a priority where no other is.
     pub(crate) exterior: PreparedMedium,
-    /// The number of the interior among the media with a priority: the smaller the stronger.
+    /// The number of the interior in the table of media with a priority: the smaller the stronger.
     pub(crate) rank: Option<u32>,
 }
 
@@ -60,7 +60,6 @@ struct Inside {
     rank: u32,
     /// How many bodies of it.
     times: u32,
-    medium: PreparedMedium,
 }
 
 impl Media {
@@ -68,32 +67,35 @@ impl Media {
     pub(crate) const MOST: usize = 8;
 
     /// Inside of nothing.
-    pub(crate) const NONE: Self = {
-        let medium = PreparedMedium { ior: 1.0, absorption: Spectrum::BLACK };
-        let inside = [Inside { rank: 0, times: 0, medium }; Self::MOST];
-        Self { absorption: Spectrum::BLACK, inside, count: 0 }
+    pub(crate) const NONE: Self = Self {
+        absorption: Spectrum::BLACK,
+        inside: [Inside { rank: 0, times: 0 }; Self::MOST],
+        count: 0,
     };
 
     /// Notes that the ray has come through the medium in front of `border`, or behind it, and
     /// gives the border as it is here: with the strongest media on both sides. Where those have
-    /// the same index there is no border.
-    pub(crate) fn arrive(&mut self, border: &Border, from_front: bool) -> Border {
+    /// the same index there is no border. `table` has the media by rank.
+    pub(crate) fn arrive(
+        &mut self,
+        border: &Border,
+        from_front: bool,
+        table: &[PreparedMedium],
+    ) -> Border {
         let here = match border.rank {
             None => *border,
             Some(rank) => {
                 if !from_front && !self.inside[..self.count].iter().any(|i| i.rank == rank) {
-                    self.enter(rank, border.interior);
+                    self.enter(rank);
                 }
-                let outside = |strongest: Option<&PreparedMedium>| {
-                    strongest.copied().unwrap_or(border.exterior)
-                };
-                // As if there were none of this body, and as if there were.
-                let body = |i: &&Inside| i.rank != rank || i.times > 1 || from_front;
-                let without = self.inside[..self.count].iter().find(body);
-                let stronger = without.filter(|i| i.rank <= rank);
+                // The strongest as if there were none of this body, and as if there were.
+                let besides = |i: &&Inside| i.rank != rank || i.times > 1 || from_front;
+                let without = self.inside[..self.count].iter().find(besides).map(|i| i.rank);
+                let with = without.map_or(rank, |other| other.min(rank));
+                let medium = |rank: u32| table[rank as usize];
                 Border {
-                    interior: stronger.map_or(border.interior, |i| i.medium),
-                    exterior: outside(without.map(|i| &i.medium)),
+                    interior: medium(with),
+                    exterior: without.map_or(border.exterior, medium),
                     rank: Some(rank),
                 }
             }
@@ -102,18 +104,18 @@ impl Media {
         here
     }
 
-    /// Notes that the ray has crossed `border`, which is `here` at this place.
-    pub(crate) fn cross(&mut self, border: &Border, here: &Border, from_front: bool) {
+    /// Notes that the ray has crossed a border, given as it is at this place.
+    pub(crate) fn cross(&mut self, here: &Border, from_front: bool) {
         self.absorption = here.absorption(!from_front);
-        match border.rank {
+        match here.rank {
             None => {}
-            Some(rank) if from_front => self.enter(rank, border.interior),
+            Some(rank) if from_front => self.enter(rank),
             Some(rank) => self.leave(rank),
         }
     }
 
     /// Notes one body more of this medium.
-    pub(crate) fn enter(&mut self, rank: u32, medium: PreparedMedium) {
+    pub(crate) fn enter(&mut self, rank: u32) {
         let at = self.inside[..self.count].partition_point(|i| i.rank < rank);
         match self.inside[..self.count].get_mut(at) {
             Some(known) if known.rank == rank => known.times = known.times.saturating_add(1),
@@ -121,7 +123,7 @@ impl Media {
                 // Room is made; the weakest of too many drops out.
                 self.count = (self.count + 1).min(Self::MOST);
                 self.inside.copy_within(at..self.count - 1, at + 1);
-                self.inside[at] = Inside { rank, times: 1, medium };
+                self.inside[at] = Inside { rank, times: 1 };
             }
             _ => {}
         }
@@ -144,18 +146,20 @@ impl Media {
 mod tests {
     use super::*;
 
-    /// The medium of this rank, told apart by its index.
-    fn border(rank: u32) -> Border {
-        let medium = |ior| PreparedMedium { ior, absorption: Spectrum::splat(ior) };
-        Border { interior: medium(2.0 + rank as f32), exterior: medium(1.0), rank: Some(rank) }
+    /// Media told apart by their indices: 2 for the strongest, 3 for the next.
+    fn medium(ior: f32) -> PreparedMedium {
+        PreparedMedium { ior, absorption: Spectrum::splat(ior) }
     }
 
     /// The indices in front and behind, after passing through.
     fn through(media: &mut Media, rank: u32, entering: bool) -> [f32; 2] {
-        let border = border(rank);
-        let here = media.arrive(&border, entering);
-        media.cross(&border, &here, entering);
-        let around = media.inside[..media.count].first().map_or(1.0, |i| i.medium.ior);
+        let table: Vec<_> = (0..99).map(|rank| medium(2.0 + rank as f32)).collect();
+        let border =
+            Border { interior: table[rank as usize], exterior: medium(1.0), rank: Some(rank) };
+        let here = media.arrive(&border, entering, &table);
+        media.cross(&here, entering);
+        let around =
+            media.inside[..media.count].first().map_or(1.0, |i| table[i.rank as usize].ior);
         assert_eq!(media.absorption, Spectrum::splat(around), "rank {rank}");
         [here.exterior.ior, here.interior.ior]
     }
@@ -164,7 +168,8 @@ mod tests {
     /// at each surface the strongest on both sides meet, and equal ones are no border.
     #[test]
     fn the_strongest_media_meet_at_a_border() {
-        let media = &mut Media::NONE;
+        let mut none = Media::NONE;
+        let media = &mut none;
         assert_eq!(through(media, 1, true), [1.0, 3.0]);
         assert_eq!(through(media, 0, true), [3.0, 2.0]);
         assert_eq!(through(media, 1, false), [2.0, 2.0]);
@@ -180,7 +185,8 @@ mod tests {
     /// over.
     #[test]
     fn leaving_what_was_never_entered_is_believed() {
-        let media = &mut Media::NONE;
+        let mut none = Media::NONE;
+        let media = &mut none;
         assert_eq!(through(media, 3, false), [1.0, 5.0]);
         assert_eq!(media.count, 0);
         through(media, 4, true);

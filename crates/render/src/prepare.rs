@@ -39,6 +39,8 @@ pub struct Prepared {
     uvs: Vec<Vec2>,
     materials: Vec<PreparedMaterial>,
     custom_materials: Vec<Arc<dyn CustomMaterial>>,
+    /// Those with a priority, the strongest first.
+    ranked_media: Vec<PreparedMedium>,
     emitters: Vec<Emitter>,
     /// The emitter that is the sky.
     environment: Option<u32>,
@@ -105,7 +107,19 @@ pub(crate) struct PreparedMaterial {
     custom: Option<u32>,
 }
 
+impl From<Bsdf> for PreparedMaterial {
+    /// A surface that light does not cross.
+    fn from(bsdf: Bsdf) -> Self {
+        Self { bsdf, border: None, custom: None }
+    }
+}
+
 impl PreparedMaterial {
+    /// True where more than the material decides what the surface does to light.
+    pub(crate) fn depends_on_place(&self) -> bool {
+        self.custom.is_some() || self.border.is_some_and(|b| b.rank.is_some())
+    }
+
     /// The same as a border between the media that it lies between at some place.
     pub(crate) fn between(&self, here: Border) -> Self {
         let eta = here.interior.ior / here.exterior.ior;
@@ -241,7 +255,7 @@ impl Prepared {
                     let entered = entered.entry(rank).or_default();
                     match (from_front, *entered) {
                         (true, _) => *entered += 1,
-                        (false, 0) => media.enter(rank, border.interior),
+                        (false, 0) => media.enter(rank),
                         (false, _) => *entered -= 1,
                     }
                 }
@@ -249,18 +263,27 @@ impl Prepared {
             ray.origin = offset_origin(hit.position, hit.normal, ray.direction);
         }
         if let Some((border, from_front)) = first {
-            media.arrive(&border, from_front);
+            self.arrive(&mut media, &border, from_front);
         }
         media
     }
 
-    /// How the surface scatters where it was hit.
-    pub(crate) fn material(
-        &self,
+    /// See [`Media::arrive`].
+    pub(crate) fn arrive(&self, media: &mut Media, border: &Border, from_front: bool) -> Border {
+        media.arrive(border, from_front, &self.ranked_media)
+    }
+
+    /// The material of a surface, as far as it is the same everywhere.
+    pub(crate) fn material(&self, interaction: &SurfaceInteraction) -> &PreparedMaterial {
+        &self.materials[interaction.material as usize]
+    }
+
+    /// The same material as it is where it was hit: a custom one tells.
+    pub(crate) fn material_at<'s>(
+        &'s self,
         hit: &Hit,
-        interaction: &SurfaceInteraction,
-    ) -> Cow<'_, PreparedMaterial> {
-        let material = &self.materials[interaction.material as usize];
+        material: &'s PreparedMaterial,
+    ) -> Cow<'s, PreparedMaterial> {
         let Some(custom) = material.custom else { return Cow::Borrowed(material) };
         let point = SurfacePoint { position: hit.position, normal: hit.normal, uv: self.uv(hit) };
         let bsdf = self.custom_materials[custom as usize].bsdf(&point);
@@ -353,10 +376,15 @@ impl Assembly {
         if self.emitters.iter().all(dark) {
             self.notes.push("nothing gives light: the picture will be black".to_owned());
         }
-        let (materials, custom_materials, ranked) = prepare_materials(&scene.materials);
-        if ranked > Media::MOST {
+        let (materials, custom_materials) = prepare_materials(&scene.materials);
+        let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
+        ranked.retain(|b| b.rank.is_some());
+        ranked.sort_unstable_by_key(|b| b.rank);
+        let ranked_media: Vec<_> = ranked.into_iter().map(|b| b.interior).collect();
+        if ranked_media.len() > Media::MOST {
             self.notes.push(format!(
-                "{ranked} materials have a priority; where more than {} overlap, the weakest are overlooked",
+                "{} materials have a priority; where more than {} overlap, the weakest are overlooked",
+                ranked_media.len(),
                 Media::MOST
             ));
         }
@@ -380,7 +408,9 @@ impl Assembly {
             uvs: self.uvs,
             materials,
             custom_materials,
-            light_beyond_sampling: ranked > 0 || self.emitters.iter().any(Emitter::is_custom),
+            light_beyond_sampling: !ranked_media.is_empty()
+                || self.emitters.iter().any(Emitter::is_custom),
+            ranked_media,
             emitters: self.emitters,
             environment,
             camera_media: Media::NONE,
@@ -615,10 +645,8 @@ fn is_border(material: &Material) -> bool {
     matches!(material.kind, MaterialKind::Dielectric(_))
 }
 
-/// All materials as they meet light, the custom ones among them, and how many have a priority.
-fn prepare_materials(
-    all: &[Material],
-) -> (Vec<PreparedMaterial>, Vec<Arc<dyn CustomMaterial>>, usize) {
+/// All materials as they meet light, and the custom ones among them.
+fn prepare_materials(all: &[Material]) -> (Vec<PreparedMaterial>, Vec<Arc<dyn CustomMaterial>>) {
     // The strongest first; of equally strong ones the first.
     let priority = |m: &Material| match &m.kind {
         MaterialKind::Dielectric(Dielectric { priority, .. }) => *priority,
@@ -640,11 +668,7 @@ fn prepare_materials(
 
     let mut customs = Vec::new();
     let prepare = |(i, material): (usize, &Material)| {
-        let mut prepared = PreparedMaterial {
-            bsdf: lobe(material).map_or(Bsdf::BLACK, Bsdf::from),
-            border: None,
-            custom: None,
-        };
+        let mut prepared = PreparedMaterial::from(lobe(material).map_or(Bsdf::BLACK, Bsdf::from));
         match &material.kind {
             MaterialKind::Black
             | MaterialKind::Matte(_)
@@ -672,7 +696,7 @@ fn prepare_materials(
         prepared
     };
     let materials = all.iter().enumerate().map(prepare).collect();
-    (materials, customs, ranked.len())
+    (materials, customs)
 }
 
 /// The lobe of a material that has just one.

@@ -149,6 +149,7 @@ struct BoxRay {
 
 impl BoxRay {
     /// `None` for a ray with a NaN or an infinity, or without a direction.
+    #[inline(always)]
     fn new(ray: &Ray) -> Option<Self> {
         let size = ray.direction.abs().max_element();
         let meets = ray.origin.is_finite()

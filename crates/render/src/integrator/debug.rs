@@ -28,7 +28,8 @@ impl Integrator for Albedo {
     fn radiance<S: Sampler>(&self, scene: &Prepared, ray: Ray, _: &S, rays: &mut u64) -> Spectrum {
         *rays += 1;
         scene.closest(&ray).map_or(Spectrum::BLACK, |hit| {
-            scene.material(&hit, &scene.interaction(&hit, ray.direction)).bsdf.albedo()
+            let material = scene.material(&scene.interaction(&hit, ray.direction));
+            scene.material_at(&hit, material).bsdf.albedo()
         })
     }
 }

@@ -9,7 +9,7 @@ use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::medium::Media;
 use crate::prepare::{Prepared, PreparedMaterial};
-use rutilant_geom::{Ray, offset_origin, real};
+use rutilant_geom::{Hit, Ray, offset_origin, real};
 use std::borrow::Cow;
 
 /// The way of a ray to the next surface.
@@ -34,49 +34,80 @@ const PASSES: u32 = 10_000;
 
 /// Follows `ray` to the next surface that does something to light. `ray` becomes its last,
 /// straight piece; `media` becomes what is on this side of the surface. Counts the rays it traces.
-#[inline]
+#[inline(always)]
 pub(super) fn follow<'s>(
     scene: &'s Prepared,
     ray: &mut Ray,
     media: &mut Media,
     rays: &mut u64,
 ) -> Way<'s> {
+    *rays += 1;
+    let Some(hit) = scene.closest(ray) else { return to_the_sky(media) };
+    let at = scene.interaction(&hit, ray.direction);
+    let material = scene.material(&at);
+    if material.depends_on_place() {
+        return follow_through(scene, hit, at, ray, media, rays);
+    }
+    // A border knows what is on the side we come from.
+    if let Some(border) = &material.border {
+        media.absorption = border.absorption(at.wo_local().z > 0.0);
+    }
+    let through = transmittance(media.absorption, hit.t);
+    Way { through, passed: false, met: Some(Met { at, material: Cow::Borrowed(material) }) }
+}
+
+/// The same from the first surface on, whatever it is. Apart, so that the common way stays short.
+#[inline(never)]
+fn follow_through<'s>(
+    scene: &'s Prepared,
+    mut hit: Hit,
+    mut at: SurfaceInteraction,
+    ray: &mut Ray,
+    media: &mut Media,
+    rays: &mut u64,
+) -> Way<'s> {
     let (mut through, mut passed) = (Spectrum::WHITE, false);
     for _ in 0..PASSES {
-        *rays += 1;
-        let Some(hit) = scene.closest(ray) else {
-            through *= transmittance(media.absorption, f32::INFINITY);
-            return Way { through, passed, met: None };
-        };
-        let at = scene.interaction(&hit, ray.direction);
-        let mut material = scene.material(&hit, &at);
-
-        // A border knows what is on the side we come from.
-        if let Some(border) = &material.border {
-            let from_front = at.wo_local().z > 0.0;
-            let here = media.arrive(border, from_front);
-            if border.rank.is_some() {
-                if here.interior.ior == here.exterior.ior {
-                    through *= transmittance(media.absorption, hit.t);
-                    media.cross(border, &here, from_front);
-                    ray.origin = offset_origin(at.position, at.normal, -at.wo);
-                    passed = true;
-                    continue;
-                }
-                material = Cow::Owned(material.between(here));
-            }
-        }
+        let material = scene.material(&at);
+        let from_front = at.wo_local().z > 0.0;
+        let here = material.border.map(|border| scene.arrive(media, &border, from_front));
         through *= transmittance(media.absorption, hit.t);
-        return Way { through, passed, met: Some(Met { at, material }) };
+        let (Some(border), Some(here)) = (material.border, here) else {
+            let material = scene.material_at(&hit, material);
+            return Way { through, passed, met: Some(Met { at, material }) };
+        };
+        if border.rank.is_none() || here.interior.ior != here.exterior.ior {
+            let material = match border.rank {
+                None => Cow::Borrowed(material),
+                Some(_) => Cow::Owned(material.between(here)),
+            };
+            return Way { through, passed, met: Some(Met { at, material }) };
+        }
+
+        // No border here: straight on.
+        media.cross(&here, from_front);
+        passed = true;
+        ray.origin = offset_origin(at.position, at.normal, -at.wo);
+        *rays += 1;
+        let Some(next) = scene.closest(ray) else {
+            let sky = to_the_sky(media);
+            return Way { through: through * sky.through, passed, met: None };
+        };
+        (hit, at) = (next, scene.interaction(&next, ray.direction));
     }
     Way { through: Spectrum::BLACK, passed, met: None }
+}
+
+/// The way to where there is no surface any more.
+fn to_the_sky<'s>(media: &Media) -> Way<'s> {
+    Way { through: transmittance(media.absorption, f32::INFINITY), passed: false, met: None }
 }
 
 impl Met<'_> {
     /// Notes in `media` that a scattered ray has gone through the surface.
     pub(super) fn cross(&self, media: &mut Media) {
         if let Some(border) = &self.material.border {
-            media.cross(border, border, self.at.wo_local().z > 0.0);
+            media.cross(border, self.at.wo_local().z > 0.0);
         }
     }
 }

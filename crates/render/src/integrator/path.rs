@@ -235,3 +235,35 @@ impl Heuristic {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::{Bsdf, Lambert, Lobe};
+
+    /// Whatever a path is worth, it survives with a probability: more than 1 would lose energy,
+    /// as the 2017 program did, and less than 0 or NaN would be no roulette.
+    #[test]
+    fn survival_is_a_probability() {
+        for roulette in [Roulette::Off, Roulette::Albedo, Roulette::Throughput] {
+            let path = Path {
+                selection: EmitterSelection::None,
+                strategy: Strategy::Both,
+                heuristic: Heuristic::Power,
+                roulette,
+                max_depth: u32::MAX,
+            };
+            for albedo in [0.0, 0.05, 0.7, 1.0, 3.0, f32::INFINITY, f32::NAN] {
+                let lobe = Lambert { albedo: Spectrum::splat(albedo) };
+                let material = Bsdf::from(Lobe::Lambert(lobe)).into();
+                for worth in [0.0, 1e-30, 0.5, 1.0, 7.0, f32::INFINITY] {
+                    for (depth, delta) in [1, 3, 4, 127, 128, u32::MAX].map(|d| (d, d % 2 == 0)) {
+                        let worth = Spectrum::splat(worth);
+                        let survival = path.survival(depth, worth, &material, delta);
+                        assert!((0.0..=1.0).contains(&survival), "{roulette:?} {survival}");
+                    }
+                }
+            }
+        }
+    }
+}
