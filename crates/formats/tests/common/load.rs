@@ -10,7 +10,8 @@ pub(crate) struct Budget {
     pub(crate) format: &'static str,
     /// Peak memory for each triangle, the file's own bytes included.
     pub(crate) bytes: f64,
-    /// Seconds for a million triangles, on one core of a machine of 2020.
+    /// Seconds for a million triangles, on one core of a machine of 2020 that is busy with other
+    /// things as well.
     pub(crate) seconds: f64,
 }
 
