@@ -1,5 +1,7 @@
 //! Large meshes written on the fly, and what reading them costs.
 
+#![allow(dead_code, reason = "test and example each use their part")]
+
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
