@@ -21,8 +21,8 @@ use common::{corpus, mutant};
 use readers::{READERS, Reader};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::{Command, ExitCode};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -87,7 +87,8 @@ fn damage(reader: &'static Reader, from: u64, count: u64) -> ExitCode {
     let files = corpus(reader.name);
     let file = move |seed: u64| files[seed as usize % files.len()].1.clone();
     std::panic::set_hook(Box::new(|panic| {
-        *PANIC.lock().unwrap_or_else(|e| e.into_inner()) = panic.to_string().replace('\n', " ");
+        *PANIC.lock().unwrap_or_else(PoisonError::into_inner) =
+            panic.to_string().replace('\n', " ");
     }));
     let keep = {
         let file = file.clone();
@@ -120,7 +121,7 @@ fn damage(reader: &'static Reader, from: u64, count: u64) -> ExitCode {
         NOW.1.store(began.as_millis() as u64, Ordering::Relaxed);
         if catch_unwind(AssertUnwindSafe(|| (reader.check)(&bytes))).is_err() {
             failures += 1;
-            keep(seed, &PANIC.lock().unwrap_or_else(|e| e.into_inner()));
+            keep(seed, &PANIC.lock().unwrap_or_else(PoisonError::into_inner));
         }
         NOW.1.store(u64::MAX, Ordering::Relaxed);
         slowest = slowest.max(start.elapsed() - began);

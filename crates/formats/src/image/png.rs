@@ -64,9 +64,8 @@ fn without_extras(bytes: &[u8]) -> Vec<u8> {
     let (signature, mut rest) = bytes.split_at(bytes.len().min(8));
     let mut kept = Vec::with_capacity(bytes.len());
     kept.extend(signature);
-    loop {
-        // A length, a name of four letters, so many bytes, a checksum.
-        let Some((length, after)) = rest.split_first_chunk::<4>() else { break };
+    // A length, a name of four letters, so many bytes, a checksum.
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
         let length = u32::from_be_bytes(*length) as usize;
         let Some((name, _)) = after.split_first_chunk::<4>() else { break };
         let Some((chunk, after)) = rest.split_at_checked(length.saturating_add(12)) else { break };

@@ -1,5 +1,7 @@
 //! Large meshes written on the fly, and what reading them costs.
 
+#![allow(dead_code, reason = "test and example each use their part")]
+
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -10,7 +12,8 @@ pub(crate) struct Budget {
     pub(crate) format: &'static str,
     /// Peak memory for each triangle, the file's own bytes included.
     pub(crate) bytes: f64,
-    /// Seconds for a million triangles, on one core of a machine of 2020.
+    /// Seconds for a million triangles, on one core of a machine of 2020 that is busy with other
+    /// things as well.
     pub(crate) seconds: f64,
 }
 
