@@ -7,7 +7,7 @@
 use crate::failure::{Exit, Failure};
 use crate::say::tell;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 /// The first request, and what the next one would disturb.
@@ -17,8 +17,8 @@ pub(crate) struct Interrupt {
     first: OnceLock<Instant>,
     /// There is an image worth writing.
     rendering: AtomicBool,
-    /// A file is being written.
-    writing: AtomicBool,
+    /// Held while a file is being written, and while the process ends.
+    writing: Mutex<()>,
 }
 
 impl Interrupt {
@@ -41,12 +41,10 @@ impl Interrupt {
         self.rendering.store(true, Ordering::SeqCst);
     }
 
-    /// Runs `write`, which a request does not cut in two.
+    /// Runs `write`, which a request does not cut in two. It does not begin once the process ends.
     pub(crate) fn while_writing<T>(&self, write: impl FnOnce() -> T) -> T {
-        self.writing.store(true, Ordering::SeqCst);
-        let result = write();
-        self.writing.store(false, Ordering::SeqCst);
-        result
+        let _writing = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        write()
     }
 
     /// Runs in a thread of its own for every request.
@@ -61,9 +59,14 @@ impl Interrupt {
         if self.rendering.load(Ordering::SeqCst) && asked.duration_since(first) < ECHO {
             return;
         }
-        while self.writing.load(Ordering::SeqCst) && asked.elapsed() < PATIENCE {
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        let _nothing_is_written_any_more = loop {
+            match self.writing.try_lock() {
+                Ok(held) => break Some(held),
+                Err(TryLockError::Poisoned(held)) => break Some(held.into_inner()),
+                Err(TryLockError::WouldBlock) if asked.elapsed() >= PATIENCE => break None,
+                Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(5)),
+            }
+        };
         tell("\ninterrupted");
         std::process::exit(Exit::Interrupted as i32);
     }

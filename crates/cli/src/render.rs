@@ -155,8 +155,9 @@ struct Seconds {
 
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     // What cannot end well does not begin.
-    let outputs = outputs(args)?;
     let interrupt = Interrupt::install()?;
+    // Whether a file can be written is found out by making one.
+    let outputs = interrupt.while_writing(|| outputs(args))?;
     load::use_threads(args.threads)?;
     let style = if args.quiet && args.progress == Style::Bar { Style::None } else { args.progress };
 

@@ -30,6 +30,10 @@ pub fn all() -> Vec<Named> {
         named("glass and caustic", glass_and_caustic()),
         named("sky map", sky_map()),
         named("many lamps", many_lamps()),
+        named("ten lamps", small_lamps(10)),
+        named("ten thousand lamps", small_lamps(10_000)),
+        named("balls in balls", balls_in_balls()),
+        named("sky and lamps", sky_and_lamps()),
         named("coloured water", coloured_water()),
         named("metals under a sky", metals()),
         named("smooth mesh", smooth_mesh()),
@@ -195,6 +199,96 @@ fn many_lamps() -> Scene {
     s
 }
 
+/// A ceiling of small lamps of one size and different brightness, some of them two-sided,
+/// that shine on a floor, a ball and, a little, on what is above them.
+fn small_lamps(count: u32) -> Scene {
+    let mut s = looking([0.0, 1.2, 4.0], [0.0, 0.7, 0.0]);
+    let white = matte(&mut s, 0.7, 0.7, 0.7);
+    put(&mut s, rectangle(6.0, 6.0), white, floor_at(0.0));
+    put(&mut s, rectangle(6.0, 6.0), white, ceiling_at(2.5));
+    put(&mut s, ball(0.5), white, at(0.0, 0.5, 0.0));
+    let lamps: Vec<MaterialId> = (0..7_u8)
+        .map(|i| {
+            let brightness = 0.5 + f32::from(i * i) / 6.0;
+            let radiance = Rgb::new(brightness, 0.8 * brightness, 0.6 + 0.2 * f32::from(i));
+            s.add_material(Emission { two_sided: i % 3 == 0, ..Emission::radiance(radiance) })
+        })
+        .collect();
+    // Half of the ceiling's middle glows, however many lamps it is divided among.
+    let columns = count.isqrt().max(2);
+    let rows = count.div_ceil(columns);
+    let (width, depth) = (3.0 / columns as f32, 3.0 / rows as f32);
+    for i in 0..count {
+        let x = ((i % columns) as f32 + 0.5) * width - 1.5;
+        let z = ((i / columns) as f32 + 0.5) * depth - 1.5;
+        // A step of 4 through 7 kinds meets all of them.
+        let lamp = lamps[(4 * i as usize + i as usize / 10) % lamps.len()];
+        let size = rectangle(0.7 * width, 0.7 * depth);
+        put(&mut s, size, lamp, at(x, 0.0, z) * ceiling_at(2.0));
+    }
+    s
+}
+
+/// Balls in a shell of glass that is hollow, a glowing core in coloured glass, and a matte ball
+/// around a smaller one that nothing sees.
+fn balls_in_balls() -> Scene {
+    let mut s = looking([0.0, 1.2, 4.5], [0.0, 0.6, 0.0]);
+    s.environment = Some(Environment::constant(Rgb::new(0.3, 0.4, 0.5)));
+    let white = matte(&mut s, 0.8, 0.7, 0.6);
+    let glass = s.add_material(Dielectric::new(1.5));
+    let mut hollow = Dielectric::new(1.0);
+    hollow.exterior.ior = 1.5;
+    let hollow = s.add_material(hollow);
+    let mut amber = Dielectric::new(1.5);
+    amber.interior.absorption = Absorption::Coefficient(Rgb::new(0.3, 1.0, 2.5));
+    let amber = s.add_material(amber);
+    let glow = s.add_material(Emission::radiance(Rgb::new(6.0, 5.0, 4.0)));
+    put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
+    put(&mut s, ball(0.6), glass, at(-1.3, 0.65, 0.0));
+    put(&mut s, ball(0.5), hollow, at(-1.3, 0.65, 0.0));
+    put(&mut s, ball(0.3), white, at(-1.3, 0.65, 0.0));
+    put(&mut s, ball(0.6), amber, at(0.0, 0.65, 0.0));
+    put(&mut s, ball(0.3), glow, at(0.0, 0.65, 0.0));
+    put(&mut s, ball(0.6), white, at(1.3, 0.65, 0.0));
+    put(&mut s, ball(0.5), white, at(1.3, 0.65, 0.0));
+    s
+}
+
+/// A map of a sky, and lamps that shine to both sides under it.
+fn sky_and_lamps() -> Scene {
+    let mut s = looking([0.0, 1.0, 4.0], [0.0, 0.5, 0.0]);
+    let (width, height) = (16_u32, 8_u32);
+    let pixels: Vec<[f32; 3]> = (0..width * height)
+        .map(|i| {
+            let (x, y) = ((i % width) as f32, (i / width) as f32);
+            [0.1 * x, 0.4, 0.2 * (8.0 - y)]
+        })
+        .collect();
+    let image = Image::from_rgb(width, height, &pixels).expect("as many pixels as the size says");
+    let image = s.add_image(image);
+    s.environment = Some(Environment { scale: 0.4, ..Environment::image(image) });
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let mirror = s.add_material(Mirror { reflectance: Rgb::grey(0.9) });
+    let both =
+        s.add_material(Emission { two_sided: true, ..Emission::radiance(Rgb::new(3.0, 2.0, 1.0)) });
+    let papery = rutilant::material::Material::from(Matte { albedo: Rgb::grey(0.6) });
+    let papery = s.add_material(
+        papery
+            .emitting(Emission { two_sided: true, ..Emission::radiance(Rgb::new(0.5, 1.0, 1.5)) }),
+    );
+    put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
+    put(
+        &mut s,
+        Shape::Disk { radius: 0.6 },
+        both,
+        at(-1.2, 0.7, 0.0) * Transform::rotate(Vec3::Y, 0.8),
+    );
+    put(&mut s, rectangle(1.0, 1.0), papery, at(1.2, 0.6, -0.2) * Transform::rotate(Vec3::Y, -0.6));
+    put(&mut s, ball(0.5), mirror, at(0.0, 0.5, 0.3));
+    put(&mut s, ball(0.25), both, at(0.0, 1.6, -0.5));
+    s
+}
+
 /// Balls and a lamp inside coloured water of index 1.33.
 fn coloured_water() -> Scene {
     let mut s = looking([0.0, 1.0, 7.0], [0.0, 0.0, 0.0]);
@@ -296,7 +390,7 @@ fn lens() -> Scene {
     put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
     put(&mut s, ball(0.5), red, at(-0.7, 0.5, 1.5));
     put(&mut s, ball(0.5), red, at(0.7, 0.5, -1.5));
-    put(&mut s, rectangle(3.0, 3.0), light, ceiling_at(3.0));
+    put(&mut s, rectangle(5.0, 5.0), light, ceiling_at(3.0));
     s
 }
 

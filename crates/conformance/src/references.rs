@@ -1,0 +1,118 @@
+//! Scenes of other people, held against pictures that another renderer made of them.
+//!
+//! The scenes are transcribed by hand into our own format and ship with this
+//! crate; the pictures do not. They are looked for in the folder that the
+//! environment variable `RUTILANT_DATA` names.
+//!
+//! Scenes and pictures: Benedikt Bitterli, "Rendering resources", 2016,
+//! <https://benedikt-bitterli.me/resources>, CC0; rendered by Tungsten.
+
+use crate::matrix::render;
+use rutilant::Prepared;
+use rutilant::image::Image;
+use rutilant_formats::{Limits, LoadedScene, ReadOptions, image, parse_native};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene, and the picture that it should give.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference {
+    /// What it is called.
+    pub name: &'static str,
+    /// The scene in our own format.
+    pub scene: &'static str,
+    /// The picture, from the data folder.
+    pub picture: &'static str,
+    /// Samples per pixel that bring our own noise below what is tolerated.
+    pub spp: u64,
+    /// What remains different, and why.
+    pub remark: &'static str,
+}
+
+/// All of them.
+pub const ALL: &[Reference] = &[Reference {
+    name: "bitterli-cornell-box",
+    scene: include_str!("../scenes/bitterli-cornell-box.toml"),
+    picture: "mitsuba/bitterli-cornell-box/TungstenRender.exr",
+    spp: 128,
+    remark: "The edges of the lamp are a little softer in the reference: its pixel filter is wider than the tent that the scene asks for.",
+}];
+
+/// How far a picture of ours is from the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Mean of our picture over that of the reference, per channel.
+    pub mean_ratio: [f64; 3],
+    /// Mean of (ours − reference)² / (reference² + 0.01), of squares of `block` pixels a side.
+    pub relative_mse: f64,
+}
+
+impl Measured {
+    /// The mean of each channel within 0.5 %, and a relMSE of at most 0.002.
+    pub fn agrees(&self) -> bool {
+        self.mean_ratio.iter().all(|ratio| (ratio - 1.0).abs() <= 0.005)
+            && self.relative_mse <= 0.002
+    }
+}
+
+/// The folder of other people's scenes and pictures, if there is one.
+pub fn data() -> Option<PathBuf> {
+    std::env::var_os("RUTILANT_DATA").map(PathBuf::from)
+}
+
+impl Reference {
+    /// Renders the scene with `spp` samples per pixel and compares it with the picture in `data`,
+    /// by the means of squares of `block` pixels a side. `None` where the picture is absent.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or the picture.
+    pub fn measure(
+        &self,
+        data: &Path,
+        spp: u64,
+        block: u32,
+        threads: usize,
+    ) -> Result<Option<Measured>, String> {
+        let path = data.join(self.picture);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let reference = image::read(&path, &Limits::default()).map_err(|e| e.to_string())?;
+        let name = format!("{}.toml", self.name);
+        let loaded = parse_native(self.scene, name.as_ref(), &ReadOptions::default());
+        let LoadedScene { scene, mut settings, .. } = loaded.map_err(|e| e.to_string())?;
+        settings.spp = spp;
+        let scene = Arc::new(Prepared::new(&scene).map_err(|e| e.to_string())?);
+        let ours = render(&scene, settings, threads).map_err(|e| e.to_string())?;
+        if [ours.width(), ours.height()] != [reference.width(), reference.height()] {
+            return Err(format!("{}: scene and picture have different sizes", self.name));
+        }
+        Ok(Some(measured(&ours, &reference, block)))
+    }
+}
+
+fn measured(ours: &Image, reference: &Image, block: u32) -> Measured {
+    let (a, b) = (squares(ours, block), squares(reference, block));
+    let mean = |squares: &[[f64; 3]], c: usize| squares.iter().map(|s| s[c]).sum::<f64>();
+    let both = || a.iter().flatten().zip(b.iter().flatten());
+    let sum: f64 = both().map(|(a, b)| (a - b) * (a - b) / (b * b + 0.01)).sum();
+    Measured {
+        mean_ratio: std::array::from_fn(|c| mean(&a, c) / mean(&b, c)),
+        relative_mse: sum / both().count() as f64,
+    }
+}
+
+/// The mean colours of squares of `side` pixels; what is left over at the right and below is not used.
+fn squares(image: &Image, side: u32) -> Vec<[f64; 3]> {
+    let pixels = image.rgb().expect("pictures have colour");
+    let (columns, rows) = (image.width() / side, image.height() / side);
+    let mean = |column: u32, row: u32| {
+        let places = (0..side * side).map(|i| (column * side + i % side, row * side + i / side));
+        let sum = places.fold([0.0; 3], |sum: [f64; 3], (x, y)| {
+            let pixel = pixels[(y * image.width() + x) as usize];
+            std::array::from_fn(|c| sum[c] + f64::from(pixel[c]))
+        });
+        sum.map(|s| s / f64::from(side * side))
+    };
+    (0..rows).flat_map(|row| (0..columns).map(move |column| mean(column, row))).collect()
+}

@@ -1,0 +1,32 @@
+//! Scenes of other people look as another renderer shows them.
+
+use rutilant_conformance::references;
+
+/// With one sample per pixel, the means of squares of 32 × 32 pixels, and of the whole pictures.
+/// A wrong unit, side, angle or transform is none of the renderer's own proofs' business, but
+/// shows here. Needs pictures that do not ship: see `references`.
+#[test]
+fn scenes_look_as_in_another_renderer() {
+    let Some(data) = references::data() else {
+        eprintln!("SKIPPED: RUTILANT_DATA names no folder with the reference pictures");
+        return;
+    };
+    for reference in references::ALL {
+        match reference.measure(&data, 1, 32, 2).unwrap() {
+            None => eprintln!("SKIPPED: {} is absent", reference.picture),
+            Some(measured) => assert!(measured.agrees(), "{}: {measured:?}", reference.name),
+        }
+    }
+}
+
+/// The scenes that ship with this crate are sound, with or without their reference.
+#[test]
+fn transcribed_scenes_can_be_read() {
+    use rutilant_formats::{ReadOptions, parse_native};
+    for reference in references::ALL {
+        let name = format!("{}.toml", reference.name);
+        let loaded = parse_native(reference.scene, name.as_ref(), &ReadOptions::default()).unwrap();
+        assert_eq!(loaded.notes, Vec::<String>::new(), "{name}");
+        rutilant::Prepared::new(&loaded.scene).unwrap();
+    }
+}
