@@ -16,6 +16,7 @@
 //! Source: Igehy, "Tracing Ray Differentials", SIGGRAPH 1999.
 
 use crate::camera::{Beam, PreparedCamera};
+use crate::follow::follow;
 use crate::prepare::Prepared;
 use rutilant_geom::{DVec3, Ray, Vec2, Vec3};
 
@@ -51,17 +52,17 @@ impl Prepared {
         let beam = self.camera.beam(size, film)?;
         let mut ray = Ray::new(beam.origin, beam.direction.normalize());
         let mut neighbours = Neighbours::of(&beam);
-        let mut path_length = 0.0_f64;
+        let (mut media, mut path_length) = (self.camera_media(), 0.0_f64);
         for bounces in 0..=MAX_BOUNCES {
-            let hit = self.closest(&ray)?;
-            let at = self.interaction(&hit, ray.direction);
-            let direction = ray.direction.as_dvec3();
-            path_length += f64::from(hit.t);
-            neighbours.travel(f64::from(hit.t));
+            let (start, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            let met = follow(self, &mut ray, &mut media, &mut 0).met?;
+            let (hit, at) = (&met.hit, &met.at);
+            let distance = start.distance(hit.position.as_dvec3());
+            path_length += distance;
+            neighbours.travel(distance);
 
             // Go on where light has one way to go; there the ray's neighbours turn as well.
-            let material = self.material(&hit, &at);
-            let bsdf = &material.bsdf;
+            let bsdf = &met.material.bsdf;
             let go_on = bsdf.is_delta().then(|| {
                 bsdf.sample(at.wo_local(), TRANSMISSION, Vec2::ZERO).filter(|sample| sample.delta)
             });
@@ -71,6 +72,9 @@ impl Prepared {
                 return Some(Focus { distance, point: hit.position, path_length, bounces });
             };
             let crossed = sample.is_transmission(at.wo_local());
+            if crossed {
+                met.cross(&mut media);
+            }
             let next = at.scattered_ray(&sample, crossed);
             let normal = at.shading.z.as_dvec3();
             neighbours.meet(direction, hit.normal.as_dvec3());
@@ -78,7 +82,7 @@ impl Prepared {
                 direction,
                 next.direction.as_dvec3(),
                 normal,
-                |step| self.normal_change(&hit, step),
+                |step| self.normal_change(hit, step),
                 1.0 / f64::from(sample.eta),
             );
             ray = next;

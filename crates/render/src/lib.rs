@@ -44,6 +44,7 @@ mod cpu;
 pub mod display;
 pub mod film;
 pub mod focus;
+mod follow;
 mod id;
 pub mod image;
 mod integrator;

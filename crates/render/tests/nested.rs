@@ -5,6 +5,7 @@
 mod common;
 
 use common::{mean, render, small};
+use rutilant::Prepared;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::geom::{Transform, Vec2, Vec3};
@@ -325,7 +326,7 @@ fn too_many_media_break_nothing() {
         let shell = scene.add_material(medium(1.2 + 0.02 * (i % 7) as f32, 0.1, i));
         put(&mut scene, Shape::Sphere { radius: 1.2 - 0.03 * i as f32 }, shell, Vec3::ZERO);
     }
-    let prepared = rutilant::Prepared::new(&scene).unwrap();
+    let prepared = Prepared::new(&scene).unwrap();
     let notes = &prepared.report().notes;
     assert!(notes[0].starts_with("30 materials have a priority; where more than 8"), "{notes:?}");
     let (shells, _) = mean(&render(&scene, small(64)), "G");
@@ -346,4 +347,20 @@ fn passing_through_costs_no_depth() {
     let (mean, error) = mean(&render(&scene, settings), "G");
     let expected = 0.96 * 0.96;
     assert!((mean - expected).abs() < 4.0 * error + 1e-4, "{mean} ± {error}");
+}
+
+/// The focus goes through overlapping media as light does: seen head on, each metre of a layer
+/// counts 1/n, and a layer ends where a stronger one begins.
+#[test]
+fn the_focus_goes_through_overlapping_media() {
+    let mut scene = seen_from(Vec3::Z * 3.0, Vec3::ZERO, 0.5);
+    slab(&mut scene, -0.6, 0.1, medium(1.33, 0.0, 1));
+    slab(&mut scene, 0.0, 0.4, medium(1.5, 0.0, 2));
+    let wall = scene.add_material(Matte { albedo: Rgb::grey(0.5) });
+    put(&mut scene, Shape::Rectangle { size: Vec2::splat(9.0) }, wall, Vec3::Z * -2.0);
+    let focus = Prepared::new(&scene).unwrap().focus_on([64, 64], Vec2::splat(0.5)).unwrap();
+    let expected = 2.6 + 0.4 / 1.5 + 0.6 / 1.33 + 1.4;
+    assert!((f64::from(focus.distance) - expected).abs() < 1e-5, "{focus:?}, not {expected}");
+    assert!((focus.path_length - 5.0).abs() < 1e-5);
+    assert_eq!(focus.bounces, 3);
 }

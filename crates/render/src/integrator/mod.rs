@@ -5,7 +5,6 @@ pub(crate) mod dimension;
 mod direct;
 mod emission;
 mod estimate;
-mod follow;
 mod naive;
 mod path;
 

@@ -7,8 +7,8 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::follow::follow;
 use crate::color::Spectrum;
+use crate::follow::follow;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;

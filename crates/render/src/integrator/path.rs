@@ -13,8 +13,8 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::follow::{follow, transmittance};
 use crate::color::Spectrum;
+use crate::follow::{follow, transmittance};
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;
 use crate::prepare::{Prepared, PreparedMaterial};

@@ -1,4 +1,4 @@
-//! From one surface to the next: what every integrator does with a ray.
+//! From one surface to the next: what every integrator, and the focus, does with a ray.
 //!
 //! Surfaces inside a medium of higher priority are no borders; the ray goes
 //! straight on through them, and that counts as one way. Shadow rays do not
@@ -13,19 +13,20 @@ use rutilant_geom::{Hit, Ray, offset_origin, real};
 use std::borrow::Cow;
 
 /// The way of a ray to the next surface.
-pub(super) struct Way<'s> {
+pub(crate) struct Way<'s> {
     /// The part of the light that is left after it.
-    pub(super) through: Spectrum,
+    pub(crate) through: Spectrum,
     /// True when the ray went through surfaces that are no borders.
-    pub(super) passed: bool,
+    pub(crate) passed: bool,
     /// The surface; `None` for the sky.
-    pub(super) met: Option<Met<'s>>,
+    pub(crate) met: Option<Met<'s>>,
 }
 
 /// A surface, and how it scatters where it was met.
-pub(super) struct Met<'s> {
-    pub(super) at: SurfaceInteraction,
-    pub(super) material: Cow<'s, PreparedMaterial>,
+pub(crate) struct Met<'s> {
+    pub(crate) hit: Hit,
+    pub(crate) at: SurfaceInteraction,
+    pub(crate) material: Cow<'s, PreparedMaterial>,
 }
 
 /// After so many surfaces that are no borders a ray is given up as black: only shapes that
@@ -35,7 +36,7 @@ const PASSES: u32 = 10_000;
 /// Follows `ray` to the next surface that does something to light. `ray` becomes its last,
 /// straight piece; `media` becomes what is on this side of the surface. Counts the rays it traces.
 #[inline(always)]
-pub(super) fn follow<'s>(
+pub(crate) fn follow<'s>(
     scene: &'s Prepared,
     ray: &mut Ray,
     media: &mut Media,
@@ -53,7 +54,7 @@ pub(super) fn follow<'s>(
         media.absorption = border.absorption(at.wo_local().z > 0.0);
     }
     let through = transmittance(media.absorption, hit.t);
-    Way { through, passed: false, met: Some(Met { at, material: Cow::Borrowed(material) }) }
+    Way { through, passed: false, met: Some(Met { hit, at, material: Cow::Borrowed(material) }) }
 }
 
 /// The same from the first surface on, whatever it is. Apart, so that the common way stays short.
@@ -74,14 +75,14 @@ fn follow_through<'s>(
         through *= transmittance(media.absorption, hit.t);
         let (Some(border), Some(here)) = (material.border, here) else {
             let material = scene.material_at(&hit, material);
-            return Way { through, passed, met: Some(Met { at, material }) };
+            return Way { through, passed, met: Some(Met { hit, at, material }) };
         };
         if border.rank.is_none() || here.interior.ior != here.exterior.ior {
             let material = match border.rank {
                 None => Cow::Borrowed(material),
                 Some(_) => Cow::Owned(material.between(here)),
             };
-            return Way { through, passed, met: Some(Met { at, material }) };
+            return Way { through, passed, met: Some(Met { hit, at, material }) };
         }
 
         // No border here: straight on.
@@ -105,7 +106,7 @@ fn to_the_sky<'s>(media: &Media) -> Way<'s> {
 
 impl Met<'_> {
     /// Notes in `media` that a scattered ray has gone through the surface.
-    pub(super) fn cross(&self, media: &mut Media) {
+    pub(crate) fn cross(&self, media: &mut Media) {
         if let Some(border) = &self.material.border {
             media.cross(border, self.at.wo_local().z > 0.0);
         }
@@ -113,7 +114,7 @@ impl Met<'_> {
 }
 
 /// The part of light that is left after `distance` metres: exp(−σ d), Beer's law.
-pub(super) fn transmittance(absorption: Spectrum, distance: f32) -> Spectrum {
+pub(crate) fn transmittance(absorption: Spectrum, distance: f32) -> Spectrum {
     if absorption.is_black() {
         return Spectrum::WHITE;
     }
