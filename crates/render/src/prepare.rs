@@ -4,7 +4,10 @@
 //! Shapes become triangles, spheres and disks in the world under one tree,
 //! materials become BSDFs, everything that shines becomes an emitter.
 
-use crate::bsdf::{Bsdf, Lambert, Lobe, PerfectMirror, SmoothConductor, SmoothDielectric};
+use crate::bsdf::{
+    Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
+    SmoothConductor, SmoothDielectric, ThinDielectric,
+};
 use crate::camera::Camera;
 use crate::color::{Rgb, Spectrum};
 use crate::interaction::SurfaceInteraction;
@@ -35,6 +38,8 @@ pub struct Prepared {
     emitters: Vec<Emitter>,
     /// The emitter that is the sky.
     environment: Option<u32>,
+    /// Whether there is a surface that rays pass.
+    some_pass: bool,
     /// What the medium around the camera absorbs, in 1/m.
     camera_absorption: Spectrum,
     report: PrepareReport,
@@ -90,6 +95,8 @@ pub(crate) struct PreparedMaterial {
     pub(crate) bsdf: Bsdf,
     /// Set where light can cross the surface.
     pub(crate) border: Option<Border>,
+    /// True where rays go on as if there were nothing.
+    pub(crate) passes: bool,
 }
 
 /// What fills the space on both sides of a clear surface: absorption coefficients in 1/m.
@@ -135,9 +142,19 @@ impl Prepared {
         self.surfaces.closest(ray)
     }
 
-    /// Whether anything is in a ray's way.
+    /// Whether anything is in a ray's way that rays do not pass.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.surfaces.occluded(ray)
+        if !self.some_pass {
+            return self.surfaces.occluded(ray);
+        }
+        let mut ahead = *ray;
+        while let Some(hit) = self.closest(&ahead) {
+            if !self.materials[self.object(&hit).material as usize].passes {
+                return true;
+            }
+            ahead.t_min = hit.t.next_up();
+        }
+        false
     }
 
     /// What a ray that came along the unit vector `direction` finds at `hit`.
@@ -238,6 +255,7 @@ struct Assembly {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     emitters: Vec<Emitter>,
+    some_pass: bool,
     notes: Vec<String>,
 }
 
@@ -296,6 +314,7 @@ impl Assembly {
                 .collect(),
             emitters: self.emitters,
             environment,
+            some_pass: self.some_pass,
             camera_absorption: Spectrum::BLACK,
             report,
         };
@@ -314,6 +333,12 @@ impl Assembly {
             first_normal: None,
             first_uv: None,
         };
+        // What neither scatters nor glows is left out.
+        if passes(material) && !material.gives_light() {
+            self.objects.push(prepared);
+            return;
+        }
+        self.some_pass |= passes(material);
         match object.shape {
             Shape::Mesh(id) => {
                 let mesh = &scene.meshes[id.0 as usize];
@@ -519,6 +544,11 @@ fn is_border(material: &Material) -> bool {
     matches!(material.kind, MaterialKind::Dielectric(_))
 }
 
+/// True where rays go on as if there were no surface.
+fn passes(material: &Material) -> bool {
+    matches!(material.kind, MaterialKind::Null)
+}
+
 fn prepare_material(material: &Material, all: &[Material]) -> PreparedMaterial {
     let bsdf = match &material.kind {
         MaterialKind::Mix(mix) => {
@@ -527,10 +557,12 @@ fn prepare_material(material: &Material, all: &[Material]) -> PreparedMaterial {
             Bsdf::sum(parts.into_iter().flatten())
         }
         MaterialKind::Black
+        | MaterialKind::Null
         | MaterialKind::Matte(_)
         | MaterialKind::Mirror(_)
         | MaterialKind::Conductor(_)
-        | MaterialKind::Dielectric(_) => lobe(material).map_or(Bsdf::BLACK, Bsdf::from),
+        | MaterialKind::Dielectric(_)
+        | MaterialKind::ThinDielectric(_) => lobe(material).map_or(Bsdf::BLACK, Bsdf::from),
     };
     let border = match &material.kind {
         MaterialKind::Dielectric(d) => Some(Border {
@@ -538,28 +570,46 @@ fn prepare_material(material: &Material, all: &[Material]) -> PreparedMaterial {
             exterior: d.exterior.absorption.coefficient(),
         }),
         MaterialKind::Black
+        | MaterialKind::Null
         | MaterialKind::Matte(_)
         | MaterialKind::Mirror(_)
         | MaterialKind::Conductor(_)
+        | MaterialKind::ThinDielectric(_)
         | MaterialKind::Mix(_) => None,
     };
-    PreparedMaterial { bsdf, border }
+    PreparedMaterial { bsdf, border, passes: passes(material) }
 }
 
 /// The lobe of a material that has just one.
 fn lobe(material: &Material) -> Option<Lobe> {
     match material.kind {
         MaterialKind::Black | MaterialKind::Mix(_) => None,
-        MaterialKind::Matte(m) => Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() })),
+        // What passes unscattered crosses a border between equal media.
+        MaterialKind::Null => {
+            Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))
+        }
+        MaterialKind::Matte(m) if m.roughness == 0.0 => {
+            Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() }))
+        }
+        MaterialKind::Matte(m) => {
+            Some(Lobe::OrenNayar(OrenNayar::new(m.albedo.into(), m.roughness)))
+        }
         MaterialKind::Mirror(m) => {
             Some(Lobe::Mirror(PerfectMirror { reflectance: m.reflectance.into() }))
         }
         MaterialKind::Conductor(m) => {
-            Some(Lobe::Conductor(SmoothConductor { eta: m.eta.into(), k: m.k.into() }))
+            let (eta, k) = (m.eta.into(), m.k.into());
+            let rough = RoughConductor::new(eta, k, m.roughness).map(Lobe::RoughConductor);
+            Some(rough.unwrap_or(Lobe::Conductor(SmoothConductor { eta, k })))
         }
-        MaterialKind::Dielectric(m) => Some(Lobe::Dielectric(SmoothDielectric {
-            eta: m.interior.ior / m.exterior.ior,
-            fresnel: m.fresnel,
-        })),
+        MaterialKind::Dielectric(m) => {
+            let eta = m.interior.ior / m.exterior.ior;
+            let rough = RoughDielectric::new(eta, m.roughness).map(Lobe::RoughDielectric);
+            let fresnel = m.fresnel;
+            Some(rough.unwrap_or(Lobe::Dielectric(SmoothDielectric { eta, fresnel })))
+        }
+        MaterialKind::ThinDielectric(m) => {
+            Some(Lobe::ThinDielectric(ThinDielectric::new(m.ior, m.color.into())))
+        }
     }
 }

@@ -6,6 +6,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
+use super::passing::next_surface;
 use super::path::transmittance;
 use crate::color::Spectrum;
 use crate::light::EmitterSelection;
@@ -27,36 +28,43 @@ impl Integrator for Direct {
         rays: &mut u64,
     ) -> Spectrum {
         *rays += 1;
-        let Some(hit) = scene.closest(&ray) else {
-            let through = transmittance(scene.camera_absorption(), f32::INFINITY);
+        let here = scene.camera_absorption();
+        let mut passed = Spectrum::BLACK;
+        let found = next_surface(scene, &ray, |glow, distance| {
+            passed += glow.radiance * transmittance(here, distance);
+        });
+        let Some((hit, at)) = found else {
+            let through = transmittance(here, f32::INFINITY);
             return SeenEmission::of_sky(scene, ray.direction)
-                .map_or(Spectrum::BLACK, |s| s.radiance * through);
+                .map_or(passed, |s| passed + s.radiance * through);
         };
-        let at = scene.interaction(&hit, ray.direction);
-        let bsdf = scene.material(&at).bsdf;
+        let bsdf = &scene.material(&at).bsdf;
         let wo = at.wo_local();
         let bounce = Bounce::at(1);
 
         // The ray's way to here, through whatever fills the side it came from.
         let border = scene.material(&at).border;
-        let side =
-            |front| border.map_or_else(|| scene.camera_absorption(), |b| b.absorption(front));
+        let side = |front| border.map_or(here, |b| b.absorption(front));
         let way = transmittance(side(wo.z > 0.0), hit.t);
         let mut radiance =
             SeenEmission::of_surface(scene, &at).map_or(Spectrum::BLACK, |e| e.radiance);
 
-        // Rough lobes: one light, anywhere on it.
-        let origin = at.reflected_origin();
-        if let Some((emitter, pmf)) = self.selection.select(origin, sampler.d1(bounce.light()))
+        // Rough lobes: one light, anywhere on it, and for clear surfaces on either side.
+        let translucent = bsdf.is_translucent();
+        let from = if translucent { at.position } else { at.reflected_origin() };
+        if let Some((emitter, pmf)) = self.selection.select(from, sampler.d1(bounce.light()))
             && !bsdf.is_delta()
             && let Some(light) =
-                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))
+                scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))
         {
+            let wi = at.shading.to_local(light.wi);
+            let beyond = wo.z * wi.z < 0.0;
+            let origin = if translucent { at.surface_origin(beyond) } else { from };
             *rays += 1;
             if !scene.occluded(&light.shadow_ray(origin)) {
-                let scattered = bsdf.eval_cos(wo, at.shading.to_local(light.wi));
+                let scattered = bsdf.eval_cos(wo, wi);
                 let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-                let through = transmittance(side(wo.z > 0.0), distance);
+                let through = transmittance(side((wo.z > 0.0) != beyond), distance);
                 radiance += scattered * light.radiance * through * (1.0 / (pmf * light.pdf));
             }
         }
@@ -65,20 +73,20 @@ impl Integrator for Direct {
         let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
         if let Some(sample) = sample.filter(|s| s.delta) {
             let crossed = sample.is_transmission(wo);
-            let ray = at.scattered_ray(&sample, crossed);
+            let ray = at.scattered_ray(bsdf, &sample, crossed);
+            let medium = side((wo.z > 0.0) != crossed);
             *rays += 1;
-            let (seen, distance) = match scene.closest(&ray) {
-                Some(hit) => (
-                    SeenEmission::of_surface(scene, &scene.interaction(&hit, ray.direction)),
-                    hit.t,
-                ),
+            let found = next_surface(scene, &ray, |glow, distance| {
+                radiance += glow.radiance * sample.weight * transmittance(medium, distance);
+            });
+            let (seen, distance) = match found {
+                Some((hit, at)) => (SeenEmission::of_surface(scene, &at), hit.t),
                 None => (SeenEmission::of_sky(scene, ray.direction), f32::INFINITY),
             };
-            let medium = side((wo.z > 0.0) != crossed);
             radiance += seen.map_or(Spectrum::BLACK, |s| {
                 s.radiance * sample.weight * transmittance(medium, distance)
             });
         }
-        way * radiance
+        passed + way * radiance
     }
 }

@@ -6,6 +6,7 @@ mod direct;
 mod emission;
 mod estimate;
 mod naive;
+mod passing;
 mod path;
 
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};

@@ -7,6 +7,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
+use super::passing::next_surface;
 use super::path::transmittance;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
@@ -36,14 +37,16 @@ impl Integrator for Naive {
         let mut ray = camera_ray;
         for depth in 1..=self.max_depth {
             *rays += 1;
-            let Some(hit) = scene.closest(&ray) else {
+            let found = next_surface(scene, &ray, |glow, distance| {
+                radiance += throughput * transmittance(absorption, distance) * glow.radiance;
+            });
+            let Some((hit, at)) = found else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
                     radiance +=
                         throughput * transmittance(absorption, f32::INFINITY) * sky.radiance;
                 }
                 break;
             };
-            let at = scene.interaction(&hit, ray.direction);
             let material = scene.material(&at);
             let wo = at.wo_local();
             if let Some(border) = &material.border {
@@ -65,7 +68,7 @@ impl Integrator for Naive {
             if let (true, Some(border)) = (crossed, &material.border) {
                 absorption = border.absorption(wo.z < 0.0);
             }
-            ray = at.scattered_ray(&sample, crossed);
+            ray = at.scattered_ray(&material.bsdf, &sample, crossed);
 
             let (from, survival) = SURVIVAL;
             if depth >= from {

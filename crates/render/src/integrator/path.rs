@@ -13,6 +13,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
+use super::passing::next_surface;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;
@@ -61,14 +62,17 @@ impl Integrator for Path {
         for depth in 1..=self.max_depth {
             // Find the next surface, or leave the scene.
             *rays += 1;
-            let Some(hit) = scene.closest(&ray) else {
+            let found = next_surface(scene, &ray, |glow, distance| {
+                let seen = throughput * transmittance(absorption, distance);
+                radiance += seen * self.weighted(scene, glow, &ray, previous.as_ref());
+            });
+            let Some((hit, at)) = found else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
                     let seen = throughput * transmittance(absorption, f32::INFINITY);
                     radiance += seen * self.weighted(scene, &sky, &ray, previous.as_ref());
                 }
                 break;
             };
-            let at = scene.interaction(&hit, ray.direction);
             let material = scene.material(&at);
             let wo = at.wo_local();
 
@@ -89,8 +93,10 @@ impl Integrator for Path {
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);
             if !material.bsdf.is_delta() {
+                let beyond = material.border.map_or(absorption, |b| b.absorption(wo.z < 0.0));
+                let media = [absorption, beyond];
                 radiance += throughput
-                    * self.direct_light(scene, &at, material, absorption, sampler, bounce, rays);
+                    * self.direct_light(scene, &at, material, media, sampler, bounce, rays);
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -101,7 +107,7 @@ impl Integrator for Path {
             };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
-            ray = at.scattered_ray(&sample, crossed);
+            ray = at.scattered_ray(&material.bsdf, &sample, crossed);
             previous =
                 Some(Previous { position: ray.origin, pdf: sample.pdf, delta: sample.delta });
             if let (true, Some(border)) = (crossed, &material.border) {
@@ -148,23 +154,25 @@ impl Path {
     }
 
     /// Light from one light that is chosen for `at`, times the share that light sampling has in
-    /// finding it, scattered towards `wo`.
+    /// finding it, scattered towards `wo`. `media` are the absorptions on the side of `wo` and
+    /// beyond the surface.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
     fn direct_light<S: Sampler>(
         &self,
         scene: &Prepared,
         at: &SurfaceInteraction,
         material: &PreparedMaterial,
-        absorption: Spectrum,
+        media: [Spectrum; 2],
         sampler: &S,
         bounce: Bounce,
         rays: &mut u64,
     ) -> Spectrum {
-        let origin = at.reflected_origin();
+        // Light may arrive on either side of a clear surface: seen from the surface itself.
+        let translucent = material.bsdf.is_translucent();
+        let from = if translucent { at.position } else { at.reflected_origin() };
         let arriving = || {
-            let (emitter, pmf) = self.selection.select(origin, sampler.d1(bounce.light()))?;
-            let light =
-                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))?;
+            let (emitter, pmf) = self.selection.select(from, sampler.d1(bounce.light()))?;
+            let light = scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))?;
             let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
             let scattered = material.bsdf.eval_cos(wo, wi);
             let pdf = pmf * light.pdf;
@@ -175,15 +183,17 @@ impl Path {
                 Strategy::Both => self.heuristic.share(pdf, material.bsdf.pdf(wo, wi)),
             };
             let unshadowed = scattered * light.radiance * (share / pdf);
-            (!unshadowed.is_black()).then_some((light, unshadowed))
+            let beyond = wo.z * wi.z < 0.0;
+            (!unshadowed.is_black()).then_some((light, unshadowed, beyond))
         };
-        let Some((light, unshadowed)) = arriving() else { return Spectrum::BLACK };
+        let Some((light, unshadowed, beyond)) = arriving() else { return Spectrum::BLACK };
+        let origin = if translucent { at.surface_origin(beyond) } else { from };
         *rays += 1;
         if scene.occluded(&light.shadow_ray(origin)) {
             return Spectrum::BLACK;
         }
         let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-        unshadowed * transmittance(absorption, distance)
+        unshadowed * transmittance(media[usize::from(beyond)], distance)
     }
 
     /// The probability with which a path goes on after its `depth`-th segment.
