@@ -204,10 +204,12 @@ fn tally(kinds: impl IntoIterator<Item = &'static str>) -> BTreeMap<&'static str
 fn kind_of_material(kind: &MaterialKind) -> &'static str {
     match kind {
         MaterialKind::Black => "black",
+        MaterialKind::Null => "null",
         MaterialKind::Matte(_) => "matte",
         MaterialKind::Mirror(_) => "mirror",
         MaterialKind::Conductor(_) => "conductor",
         MaterialKind::Dielectric(_) => "dielectric",
+        MaterialKind::ThinDielectric(_) => "thin-dielectric",
         MaterialKind::Mix(_) => "mix",
         MaterialKind::Custom(_) => "custom",
     }

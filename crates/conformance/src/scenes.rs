@@ -8,7 +8,10 @@ use rutilant::color::Rgb;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::light::Environment;
-use rutilant::material::{Absorption, Conductor, Dielectric, Emission, Matte, Mirror, Mix};
+use rutilant::material::{
+    Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Metal, Mirror, Mix,
+    ThinDielectric,
+};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::shape::{Mesh, Object, Shape};
 use std::f32::consts::FRAC_PI_2;
@@ -40,6 +43,9 @@ pub fn all() -> Vec<Named> {
         named("glowing box", glowing_box()),
         named("lens", lens()),
         named("nested media", nested_media()),
+        named("rough metals and clay", rough_metals()),
+        named("frosted glass", frosted_glass()),
+        named("panes and flames", panes_and_flames()),
     ]
 }
 
@@ -63,7 +69,7 @@ fn looking(from: [f32; 3], to: [f32; 3]) -> Scene {
 }
 
 fn matte(scene: &mut Scene, r: f32, g: f32, b: f32) -> MaterialId {
-    scene.add_material(Matte { albedo: Rgb::new(r, g, b) })
+    scene.add_material(Matte::new(Rgb::new(r, g, b)))
 }
 
 fn lamp(scene: &mut Scene, radiance: f32) -> MaterialId {
@@ -271,7 +277,8 @@ fn sky_and_lamps() -> Scene {
     let mirror = s.add_material(Mirror { reflectance: Rgb::grey(0.9) });
     let both =
         s.add_material(Emission { two_sided: true, ..Emission::radiance(Rgb::new(3.0, 2.0, 1.0)) });
-    let papery = rutilant::material::Material::from(Matte { albedo: Rgb::grey(0.6) });
+    let papery =
+        rutilant::material::Material::from(Matte { albedo: Rgb::grey(0.6), roughness: 0.0 });
     let papery = s.add_material(
         papery
             .emitting(Emission { two_sided: true, ..Emission::radiance(Rgb::new(0.5, 1.0, 1.5)) }),
@@ -313,10 +320,12 @@ fn metals() -> Scene {
     let gold = s.add_material(Conductor {
         eta: Rgb::new(0.143, 0.375, 1.442),
         k: Rgb::new(3.983, 2.386, 1.603),
+        roughness: 0.0,
     });
     let copper = s.add_material(Conductor {
         eta: Rgb::new(0.200, 0.924, 1.102),
         k: Rgb::new(3.912, 2.452, 2.142),
+        roughness: 0.0,
     });
     let light = lamp(&mut s, 3.0);
     put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
@@ -370,9 +379,7 @@ fn glowing_box() -> Scene {
     let mut s = looking([0.0, 0.3, 1.9], [0.0, 0.0, 0.0]);
     let wall = matte(&mut s, 0.6, 0.5, 0.4);
     let glow = Emission::radiance(Rgb::new(1.0, 1.5, 2.0));
-    let core = s.add_material(
-        rutilant::material::Material::from(Matte { albedo: Rgb::grey(0.5) }).emitting(glow),
-    );
+    let core = s.add_material(Material::from(Matte::new(Rgb::grey(0.5))).emitting(glow));
     put(&mut s, Shape::Box { size: Vec3::splat(4.0) }, wall, Transform::IDENTITY);
     put(&mut s, Shape::Box { size: Vec3::splat(0.9) }, core, Transform::rotate(Vec3::ONE, 0.7));
     s
@@ -415,5 +422,63 @@ fn nested_media() -> Scene {
     put(&mut s, Shape::Box { size: Vec3::new(0.8, 1.4, 1.6) }, water, at(0.0, -0.2, 0.0));
     put(&mut s, ball(0.55), white, at(-0.9, -0.3, 0.0));
     put(&mut s, ball(0.5), light, at(1.0, 0.1, 0.0));
+    s
+}
+
+/// Rough gold, aluminium and clay, one of them partly gilded, under a lamp and a sky.
+fn rough_metals() -> Scene {
+    let mut s = looking([0.0, 1.4, 4.5], [0.0, 0.4, 0.0]);
+    s.environment = Some(Environment::constant(Rgb::new(0.3, 0.4, 0.5)));
+    let clay = s.add_material(Matte { albedo: Rgb::new(0.8, 0.6, 0.5), roughness: 0.9 });
+    let gold = s.add_material(Metal::Gold.conductor(0.4));
+    let aluminium = s.add_material(Metal::Aluminium.conductor(0.8));
+    let gilded = s.add_material(Mix { first: clay, second: gold, amount: 0.5 });
+    let light = lamp(&mut s, 4.0);
+    put(&mut s, rectangle(8.0, 8.0), clay, floor_at(0.0));
+    for (i, material) in [gold, aluminium, gilded].into_iter().enumerate() {
+        put(&mut s, ball(0.55), material, at(1.3 * (i as f32 - 1.0), 0.55, 0.0));
+    }
+    put(&mut s, rectangle(2.5, 2.5), light, ceiling_at(2.5));
+    s
+}
+
+/// A lamp behind frosted glass, another one inside coloured frosted glass, and a smooth mesh of it.
+fn frosted_glass() -> Scene {
+    let mut s = looking([0.0, 1.3, 4.5], [0.0, 0.6, 0.0]);
+    let white = matte(&mut s, 0.7, 0.7, 0.7);
+    let frosted = s.add_material(Dielectric { roughness: 0.75, ..Dielectric::new(1.5) });
+    let mut green = Dielectric { roughness: 0.8, ..Dielectric::new(1.3) };
+    green.interior.absorption = Absorption::Coefficient(Rgb::new(1.5, 0.3, 1.0));
+    let green = s.add_material(green);
+    let light = lamp(&mut s, 3.0);
+    put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
+    put(&mut s, Shape::Box { size: Vec3::new(1.0, 1.4, 0.2) }, frosted, at(-0.9, 0.75, 0.4));
+    put(&mut s, ball(0.4), light, at(-0.9, 0.8, -0.5));
+    put(&mut s, ball(0.6), green, at(0.5, 0.65, 0.0));
+    put(&mut s, ball(0.2), light, at(0.5, 0.65, 0.0));
+    let mesh = s.add_mesh(coarse_ball());
+    put(&mut s, Shape::Mesh(mesh), frosted, at(1.6, 0.75, 0.0));
+    put(&mut s, rectangle(2.0, 2.0), light, ceiling_at(2.8));
+    s
+}
+
+/// A grey pane before a lamp, gauze that is half a hole, and a flame that light passes.
+fn panes_and_flames() -> Scene {
+    let mut s = looking([0.0, 1.3, 4.5], [0.0, 0.6, 0.0]);
+    let white = matte(&mut s, 0.7, 0.7, 0.7);
+    let nothing = s.add_material(Material::new(MaterialKind::Null));
+    let gauze = s.add_material(Mix { first: white, second: nothing, amount: 0.4 });
+    let pane = s.add_material(ThinDielectric { ior: 1.5, color: Rgb::new(0.5, 0.7, 0.9) });
+    let glow = Emission { two_sided: true, ..Emission::radiance(Rgb::new(2.0, 1.0, 0.3)) };
+    let flame = s.add_material(Material::new(MaterialKind::Null).emitting(glow));
+    let light = lamp(&mut s, 3.0);
+    put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
+    put(&mut s, rectangle(1.2, 1.2), pane, at(-0.9, 0.7, 0.6));
+    put(&mut s, rectangle(1.0, 1.0), gauze, at(0.4, 0.6, 0.5));
+    put(&mut s, rectangle(0.7, 1.0), flame, at(1.4, 0.6, 0.0));
+    put(&mut s, Shape::Disk { radius: 0.3 }, flame, at(1.4, 0.6, -0.2));
+    put(&mut s, ball(0.3), white, at(1.4, 0.3, -0.8));
+    put(&mut s, rectangle(3.0, 1.0), light, at(0.0, 0.7, -1.0));
+    put(&mut s, Shape::Box { size: Vec3::splat(20.0) }, nothing, Transform::IDENTITY);
     s
 }

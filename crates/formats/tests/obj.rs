@@ -330,7 +330,7 @@ fn material(body: &str) -> Material {
 }
 
 fn matte(r: f32, g: f32, b: f32) -> MaterialKind {
-    MaterialKind::Matte(Matte { albedo: Rgb::new(r, g, b) })
+    MaterialKind::Matte(Matte::new(Rgb::new(r, g, b)))
 }
 
 fn glass(ior: f32, tint: Option<[f32; 3]>) -> MaterialKind {

@@ -3,11 +3,12 @@
 //! Surfaces inside a medium of higher priority are no borders; the ray goes
 //! straight on through them, and that counts as one way. Shadow rays do not
 //! know this and are blocked: light that is found beyond such a surface counts
-//! as light behind glass does, in full.
+//! as light behind glass does, in full. Surfaces that glow and do not scatter
+//! are passed as well, by shadow rays too; their light is told on the way.
 
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
-use crate::medium::Media;
+use crate::medium::{Border, Media};
 use crate::prepare::{Prepared, PreparedMaterial};
 use rutilant_geom::{Hit, Ray, offset_origin, real};
 use std::borrow::Cow;
@@ -22,6 +23,15 @@ pub(crate) struct Way<'s> {
     pub(crate) met: Option<Met<'s>>,
 }
 
+/// A surface that glows and lets rays pass, on the way of one.
+pub(crate) struct Glowing<'a> {
+    pub(crate) at: &'a SurfaceInteraction,
+    /// The part of its light that is left at the start of the ray.
+    pub(crate) through: Spectrum,
+    /// True when there are surfaces before it that are no borders.
+    pub(crate) beyond_passed: bool,
+}
+
 /// A surface, and how it scatters where it was met.
 pub(crate) struct Met<'s> {
     pub(crate) hit: Hit,
@@ -29,25 +39,27 @@ pub(crate) struct Met<'s> {
     pub(crate) material: Cow<'s, PreparedMaterial>,
 }
 
-/// After so many surfaces that are no borders a ray is given up as black: only shapes that
+/// After so many surfaces that it passes a ray is given up as black: only shapes that
 /// contradict themselves have more in one direction.
 const PASSES: u32 = 10_000;
 
 /// Follows `ray` to the next surface that does something to light. `ray` becomes its last,
-/// straight piece; `media` becomes what is on this side of the surface. Counts the rays it traces.
+/// straight piece; `media` becomes what is on this side of the surface. Counts the rays it traces,
+/// and tells `glowing` what shines on the way.
 #[inline(always)]
 pub(crate) fn follow<'s>(
     scene: &'s Prepared,
     ray: &mut Ray,
     media: &mut Media,
     rays: &mut u64,
+    glowing: &mut dyn FnMut(&Glowing<'_>),
 ) -> Way<'s> {
     *rays += 1;
     let Some(hit) = scene.closest(ray) else { return to_the_sky(media) };
     let at = scene.interaction(&hit, ray.direction);
     let material = scene.material(&at);
     if material.depends_on_place() {
-        return follow_through(scene, hit, at, ray, media, rays);
+        return follow_through(scene, hit, at, ray, media, rays, glowing);
     }
     // A border knows what is on the side we come from.
     if let Some(border) = &material.border {
@@ -66,29 +78,37 @@ fn follow_through<'s>(
     ray: &mut Ray,
     media: &mut Media,
     rays: &mut u64,
+    glowing: &mut dyn FnMut(&Glowing<'_>),
 ) -> Way<'s> {
     let (mut through, mut passed) = (Spectrum::WHITE, false);
     for _ in 0..PASSES {
         let material = scene.material(&at);
-        let from_front = at.wo_local().z > 0.0;
-        let here = material.border.map(|border| scene.arrive(media, &border, from_front));
-        through *= transmittance(media.absorption, hit.t);
-        let (Some(border), Some(here)) = (material.border, here) else {
-            let material = scene.material_at(&hit, material);
-            return Way { through, passed, met: Some(Met { hit, at, material }) };
-        };
-        if border.rank.is_none() || here.interior.ior != here.exterior.ior {
-            let material = match border.rank {
-                None => Cow::Borrowed(material),
-                Some(_) => Cow::Owned(material.between(here)),
+        if material.passes {
+            let left = through * transmittance(media.absorption, hit.t);
+            glowing(&Glowing { at: &at, through: left, beyond_passed: passed });
+            // Every step leaves at least this surface behind.
+            ray.t_min = hit.t.next_up();
+        } else {
+            let from_front = at.wo_local().z > 0.0;
+            let here = material.border.map(|border| scene.arrive(media, &border, from_front));
+            through *= transmittance(media.absorption, hit.t);
+            let (Some(border), Some(here)) = (material.border, here) else {
+                let material = scene.material_at(&hit, material);
+                return Way { through, passed, met: Some(Met { hit, at, material }) };
             };
-            return Way { through, passed, met: Some(Met { hit, at, material }) };
-        }
+            if border.rank.is_none() || here.interior.ior != here.exterior.ior {
+                let material = match border.rank {
+                    None => Cow::Borrowed(material),
+                    Some(_) => Cow::Owned(material.between(here)),
+                };
+                return Way { through, passed, met: Some(Met { hit, at, material }) };
+            }
 
-        // No border here: straight on.
-        media.cross(&here, from_front);
-        passed = true;
-        ray.origin = offset_origin(at.position, at.normal, -at.wo);
+            // No border here: straight on.
+            media.cross(&here, from_front);
+            passed = true;
+            *ray = Ray::new(offset_origin(at.position, at.normal, -at.wo), ray.direction);
+        }
         *rays += 1;
         let Some(next) = scene.closest(ray) else {
             let sky = to_the_sky(media);
@@ -105,6 +125,12 @@ fn to_the_sky<'s>(media: &Media) -> Way<'s> {
 }
 
 impl Met<'_> {
+    /// What is absorbed on the other side of the surface, in 1/m.
+    pub(crate) fn absorption_beyond(&self, media: &Media) -> Spectrum {
+        let beyond = |border: &Border| border.absorption(self.at.wo_local().z < 0.0);
+        self.material.border.as_ref().map_or(media.absorption, beyond)
+    }
+
     /// Notes in `media` that a scattered ray has gone through the surface.
     pub(crate) fn cross(&self, media: &mut Media) {
         if let Some(border) = &self.material.border {

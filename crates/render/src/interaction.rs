@@ -1,6 +1,6 @@
 //! Where a ray met a surface.
 
-use crate::bsdf::BsdfSample;
+use crate::bsdf::{Bsdf, BsdfSample};
 use rutilant_geom::{Frame, Ray, Vec3, offset_origin};
 
 /// A surface point as the integrators see it.
@@ -65,14 +65,17 @@ impl SurfaceInteraction {
         offset_origin(self.smooth_position, self.normal, self.wo)
     }
 
-    /// The ray that leaves along a sampled direction. `crossed` tells whether it goes on beyond
-    /// the surface. Mirror images start on the true surface: lifted off it, the inside of glass
-    /// would be lost where normals lean much.
-    pub fn scattered_ray(&self, sample: &BsdfSample, crossed: bool) -> Ray {
-        let origin = if crossed {
-            offset_origin(self.position, self.normal, -self.wo)
-        } else if sample.delta {
-            offset_origin(self.position, self.normal, self.wo)
+    /// The origin of a ray that starts on the true surface, on the side of `wo` or beyond it.
+    pub fn surface_origin(&self, beyond: bool) -> Vec3 {
+        offset_origin(self.position, self.normal, if beyond { -self.wo } else { self.wo })
+    }
+
+    /// The ray that leaves along a direction that `bsdf` sampled. `crossed` tells whether it goes
+    /// on beyond the surface. Mirror images, and whatever clear surfaces scatter, start on the true
+    /// surface: lifted off it, the inside of glass would be lost where normals lean much.
+    pub fn scattered_ray(&self, bsdf: &Bsdf, sample: &BsdfSample, crossed: bool) -> Ray {
+        let origin = if crossed || sample.delta || bsdf.is_translucent() {
+            self.surface_origin(crossed)
         } else {
             self.reflected_origin()
         };

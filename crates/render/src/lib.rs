@@ -23,7 +23,7 @@
 //! let eye = Vec3::new(0.0, 0.0, 3.0);
 //! let mut scene = Scene::new(Perspective::look_at(eye, Vec3::ZERO, 0.5).unwrap());
 //! scene.environment = Some(Environment::constant(Rgb::WHITE));
-//! let grey = scene.add_material(Matte { albedo: Rgb::grey(0.5) });
+//! let grey = scene.add_material(Matte::new(Rgb::grey(0.5)));
 //! scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, grey));
 //!
 //! let prepared = Arc::new(Prepared::new(&scene)?);

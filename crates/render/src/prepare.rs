@@ -4,7 +4,10 @@
 //! Shapes become triangles, spheres, disks and custom surfaces in the world under one tree,
 //! materials become BSDFs, everything that shines becomes an emitter.
 
-use crate::bsdf::{Bsdf, Lambert, Lobe, PerfectMirror, SmoothConductor, SmoothDielectric};
+use crate::bsdf::{
+    Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
+    SmoothConductor, SmoothDielectric, ThinDielectric,
+};
 use crate::camera::Camera;
 use crate::color::{Rgb, Spectrum};
 use crate::interaction::SurfaceInteraction;
@@ -48,6 +51,8 @@ pub struct Prepared {
     camera_media: Media,
     /// True where scattered rays may find light that light sampling cannot.
     light_beyond_sampling: bool,
+    /// Whether there is a surface that rays pass.
+    some_pass: bool,
     report: PrepareReport,
 }
 
@@ -105,19 +110,21 @@ pub(crate) struct PreparedMaterial {
     pub(crate) border: Option<Border>,
     /// The number of the custom material that tells the BSDF of each place.
     custom: Option<u32>,
+    /// True where rays go on as if there were nothing.
+    pub(crate) passes: bool,
 }
 
 impl From<Bsdf> for PreparedMaterial {
     /// A surface that light does not cross.
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, border: None, custom: None }
+        Self { bsdf, border: None, custom: None, passes: false }
     }
 }
 
 impl PreparedMaterial {
     /// True where more than the material decides what the surface does to light.
     pub(crate) fn depends_on_place(&self) -> bool {
-        self.custom.is_some() || self.border.is_some_and(|b| b.rank.is_some())
+        self.custom.is_some() || self.passes || self.border.is_some_and(|b| b.rank.is_some())
     }
 
     /// The same as a border between the media that it lies between at some place.
@@ -156,9 +163,19 @@ impl Prepared {
         self.surfaces.closest(ray)
     }
 
-    /// Whether anything is in a ray's way.
+    /// Whether anything is in a ray's way that rays do not pass.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.surfaces.occluded(ray)
+        if !self.some_pass {
+            return self.surfaces.occluded(ray);
+        }
+        let mut ahead = *ray;
+        while let Some(hit) = self.closest(&ahead) {
+            if !self.materials[self.object(&hit).material as usize].passes {
+                return true;
+            }
+            ahead.t_min = hit.t.next_up();
+        }
+        false
     }
 
     /// What a ray that came along the unit vector `direction` finds at `hit`.
@@ -335,6 +352,7 @@ struct Assembly {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     emitters: Vec<Emitter>,
+    some_pass: bool,
     notes: Vec<String>,
 }
 
@@ -414,6 +432,7 @@ impl Assembly {
             emitters: self.emitters,
             environment,
             camera_media: Media::NONE,
+            some_pass: self.some_pass,
             report,
         };
         prepared.camera_media = prepared.media_at(scene.camera.axis());
@@ -431,6 +450,12 @@ impl Assembly {
             first_normal: None,
             first_uv: None,
         };
+        // What neither scatters nor glows is left out.
+        if passes(material) && !material.gives_light() {
+            self.objects.push(prepared);
+            return;
+        }
+        self.some_pass |= passes(material);
         match &object.shape {
             Shape::Mesh(id) => {
                 let mesh = &scene.meshes[id.0 as usize];
@@ -645,6 +670,11 @@ fn is_border(material: &Material) -> bool {
     matches!(material.kind, MaterialKind::Dielectric(_))
 }
 
+/// True where rays go on as if there were no surface.
+fn passes(material: &Material) -> bool {
+    matches!(material.kind, MaterialKind::Null)
+}
+
 /// All materials as they meet light, and the custom ones among them.
 fn prepare_materials(all: &[Material]) -> (Vec<PreparedMaterial>, Vec<Arc<dyn CustomMaterial>>) {
     // The strongest first; of equally strong ones the first.
@@ -654,6 +684,8 @@ fn prepare_materials(all: &[Material]) -> (Vec<PreparedMaterial>, Vec<Arc<dyn Cu
         | MaterialKind::Matte(_)
         | MaterialKind::Mirror(_)
         | MaterialKind::Conductor(_)
+        | MaterialKind::ThinDielectric(_)
+        | MaterialKind::Null
         | MaterialKind::Mix(_)
         | MaterialKind::Custom(_) => None,
     };
@@ -673,7 +705,9 @@ fn prepare_materials(all: &[Material]) -> (Vec<PreparedMaterial>, Vec<Arc<dyn Cu
             MaterialKind::Black
             | MaterialKind::Matte(_)
             | MaterialKind::Mirror(_)
-            | MaterialKind::Conductor(_) => {}
+            | MaterialKind::Conductor(_)
+            | MaterialKind::ThinDielectric(_) => {}
+            MaterialKind::Null => prepared.passes = true,
             MaterialKind::Dielectric(d) => {
                 let medium = |m: &crate::material::Medium| PreparedMedium {
                     ior: m.ior,
@@ -703,16 +737,32 @@ fn prepare_materials(all: &[Material]) -> (Vec<PreparedMaterial>, Vec<Arc<dyn Cu
 fn lobe(material: &Material) -> Option<Lobe> {
     match &material.kind {
         MaterialKind::Black | MaterialKind::Mix(_) | MaterialKind::Custom(_) => None,
-        MaterialKind::Matte(m) => Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() })),
+        // What passes unscattered crosses a border between equal media.
+        MaterialKind::Null => {
+            Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))
+        }
+        MaterialKind::Matte(m) if m.roughness == 0.0 => {
+            Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() }))
+        }
+        MaterialKind::Matte(m) => {
+            Some(Lobe::OrenNayar(OrenNayar::new(m.albedo.into(), m.roughness)))
+        }
         MaterialKind::Mirror(m) => {
             Some(Lobe::Mirror(PerfectMirror { reflectance: m.reflectance.into() }))
         }
         MaterialKind::Conductor(m) => {
-            Some(Lobe::Conductor(SmoothConductor { eta: m.eta.into(), k: m.k.into() }))
+            let (eta, k) = (m.eta.into(), m.k.into());
+            let rough = RoughConductor::new(eta, k, m.roughness).map(Lobe::RoughConductor);
+            Some(rough.unwrap_or(Lobe::Conductor(SmoothConductor { eta, k })))
         }
-        MaterialKind::Dielectric(m) => Some(Lobe::Dielectric(SmoothDielectric {
-            eta: m.interior.ior / m.exterior.ior,
-            fresnel: m.fresnel,
-        })),
+        MaterialKind::Dielectric(m) => {
+            let eta = m.interior.ior / m.exterior.ior;
+            let rough = RoughDielectric::new(eta, m.roughness).map(Lobe::RoughDielectric);
+            let fresnel = m.fresnel;
+            Some(rough.unwrap_or(Lobe::Dielectric(SmoothDielectric { eta, fresnel })))
+        }
+        MaterialKind::ThinDielectric(m) => {
+            Some(Lobe::ThinDielectric(ThinDielectric::new(m.ior, m.color.into())))
+        }
     }
 }

@@ -52,7 +52,7 @@ fn closed_room_sums_the_series() {
         {
             let mut scene = seen_from(Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, 0.0, 0.0), 1.0);
             let glow = Emission { two_sided: true, ..Emission::radiance(Rgb::WHITE) };
-            let wall = Material::from(Matte { albedo: Rgb::grey(albedo) }).emitting(glow);
+            let wall = Material::from(Matte::new(Rgb::grey(albedo))).emitting(glow);
             let wall = scene.add_material(wall);
             scene.objects.push(Object::new(shape, wall));
             for way in all_ways(48) {
@@ -74,7 +74,7 @@ fn convex_bodies_show_their_albedo_under_a_constant_sky() {
     for shape in [Shape::Sphere { radius: 10.0 }, Shape::Box { size: Vec3::splat(20.0) }] {
         let mut scene = seen_from(Vec3::new(3.0, 2.0, 30.0), Vec3::ZERO, 0.1);
         scene.environment = Some(Environment::constant(Rgb::WHITE));
-        let grey = scene.add_material(Matte { albedo: Rgb::grey(0.6) });
+        let grey = scene.add_material(Matte::new(Rgb::grey(0.6)));
         scene.objects.push(Object::new(shape, grey));
         for way in all_ways(64) {
             assert_mean(&render(&scene, way), 0.6, 4.0);
@@ -164,7 +164,7 @@ fn mixes_of_white_and_mirror_vanish_in_the_furnace() {
     for amount in [0.0, 0.3, 0.5, 1.0] {
         let mut scene = seen_from(Vec3::new(0.4, 1.0, 4.0), Vec3::ZERO, 0.3);
         scene.environment = Some(Environment::constant(Rgb::WHITE));
-        let first = scene.add_material(Matte { albedo: Rgb::WHITE });
+        let first = scene.add_material(Matte::new(Rgb::WHITE));
         let second = scene.add_material(Mirror { reflectance: Rgb::WHITE });
         let mix = scene.add_material(Mix { first, second, amount });
         scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, mix));
@@ -179,7 +179,7 @@ fn mixes_of_white_and_mirror_vanish_in_the_furnace() {
 #[test]
 fn sphere_light_over_a_plane() {
     let mut scene = seen_from(Vec3::new(1.0, 0.5, 1.0), Vec3::ZERO, 0.002);
-    let floor = scene.add_material(Matte { albedo: GREY });
+    let floor = scene.add_material(Matte::new(GREY));
     let lamp = scene.add_material(Emission::radiance(Rgb::grey(10.0)));
     let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
     scene
@@ -234,7 +234,7 @@ fn lights_without_surface_over_a_plane() {
     ];
     for (light, irradiance) in lights {
         let mut scene = seen_from(Vec3::new(1.0, 0.5, 1.0), Vec3::ZERO, 0.002);
-        let floor = scene.add_material(Matte { albedo: GREY });
+        let floor = scene.add_material(Matte::new(GREY));
         let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
         scene.objects.push(
             Object::new(Shape::Rectangle { size: Vec2::splat(4.0) }, floor).transformed(&flat),
@@ -340,7 +340,7 @@ fn both_ways_of_finding_light_fade_in_a_medium() {
     let mut water = Dielectric::new(1.0);
     water.interior.absorption = Absorption::Coefficient(Rgb::new(0.4, 0.8, 1.6));
     let water = scene.add_material(water);
-    let floor = scene.add_material(Matte { albedo: GREY });
+    let floor = scene.add_material(Matte::new(GREY));
     let lamp = scene.add_material(Emission::radiance(Rgb::grey(5.0)));
     scene.objects.push(Object::new(Shape::Box { size: Vec3::splat(8.0) }, water));
     scene.objects.push(Object::new(Shape::Sphere { radius: 0.5 }, floor));
@@ -381,7 +381,7 @@ fn cameras_stand_in_media_as_well() {
 fn depth_counts_segments() {
     let mut scene = seen_from(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8);
     scene.environment = Some(Environment::constant(Rgb::grey(0.3)));
-    let matte = scene.add_material(Matte { albedo: GREY });
+    let matte = scene.add_material(Matte::new(GREY));
     let glass = scene.add_material(Dielectric::new(1.5));
     let lamp = scene.add_material(Emission::radiance(Rgb::grey(4.0)));
     let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));

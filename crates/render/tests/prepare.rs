@@ -169,7 +169,7 @@ fn broken_triangles_are_left_out_and_counted() {
 fn normals_are_interpolated_on_the_front() {
     for sign in [1.0, -1.0] {
         let mut scene = scene();
-        let matte = scene.add_material(Matte { albedo: Rgb::grey(0.5) });
+        let matte = scene.add_material(Matte::new(Rgb::grey(0.5)));
         let lean = 0.3;
         let mesh = scene.add_mesh(Mesh {
             positions: vec![
@@ -206,7 +206,7 @@ fn normals_are_interpolated_on_the_front() {
 #[test]
 fn texture_coordinates_are_computed_where_absent() {
     let mut scene = scene();
-    let matte = scene.add_material(Matte { albedo: Rgb::grey(0.5) });
+    let matte = scene.add_material(Matte::new(Rgb::grey(0.5)));
     let mesh = scene.add_mesh(cube());
     scene.objects.push(Object::new(Shape::Mesh(mesh), matte));
     let prepared = Prepared::new(&scene).unwrap();
@@ -220,12 +220,12 @@ fn texture_coordinates_are_computed_where_absent() {
 fn unsound_scenes_are_refused_by_name() {
     let refused = |change: &dyn Fn(&mut Scene)| {
         let mut scene = scene();
-        let matte = scene.add_material(Matte { albedo: Rgb::grey(0.5) });
+        let matte = scene.add_material(Matte::new(Rgb::grey(0.5)));
         scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, matte));
         change(&mut scene);
         Prepared::new(&scene).map(|_| ()).unwrap_err().to_string()
     };
-    let matte = |albedo| Matte { albedo: Rgb::grey(albedo) };
+    let matte = |albedo| Matte::new(Rgb::grey(albedo));
     assert_eq!(
         refused(&|s| s.materials[0] = matte(1.7).into()),
         "material 0: albedo is 1.7, but must lie between 0 and 1"

@@ -21,7 +21,7 @@ fn scene() -> Arc<Prepared> {
     camera.lens.aperture_radius = 0.05;
     let mut scene = Scene::new(camera);
     scene.environment = Some(Environment::constant(Rgb::new(0.2, 0.3, 0.5)));
-    let floor = scene.add_material(Matte { albedo: Rgb::new(0.7, 0.6, 0.5) });
+    let floor = scene.add_material(Matte::new(Rgb::new(0.7, 0.6, 0.5)));
     let glass = scene.add_material(Dielectric::new(1.5));
     let lamp = scene.add_material(Emission::radiance(Rgb::grey(9.0)));
     let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));

@@ -6,7 +6,7 @@ use rutilant::image::Image;
 use rutilant::scene::Scene;
 use rutilant::settings::{IntegratorKind, SamplerKind, Settings};
 use rutilant::{Prepared, Session};
-use rutilant_conformance::agreement::{critical_z, largest_disagreement};
+use rutilant_conformance::agreement::{Variance, any_of, compare};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -42,11 +42,10 @@ pub fn render_with(scene: &Scene, settings: Settings) -> Image {
     session.snapshot()
 }
 
-/// The worst pixel, if chance alone would not make one as bad in a hundred such families of
-/// `pairs` pairs of pictures.
+/// How two pictures differ, if chance alone would not make them differ as much in one of a hundred
+/// families of `pairs` pairs of pictures.
 pub fn disagreement(a: &Image, b: &Image, pairs: usize) -> Option<String> {
-    let critical = critical_z(pairs * (SIZE * SIZE * 3) as usize, 0.01);
-    let worst = largest_disagreement(a, b).expect("colour and variance");
-    println!("z = {:.2} of {critical:.2}", worst.z);
-    (worst.z > critical).then(|| format!("{worst:?}, beyond z = {critical:.2}"))
+    let comparison = compare(a, b, Variance::Measured).expect("colour and variance");
+    println!("p = {:.4}", comparison.p);
+    (any_of(comparison.p, pairs) < 0.01).then(|| format!("{comparison:?}"))
 }

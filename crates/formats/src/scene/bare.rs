@@ -59,7 +59,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
 
 /// A matte grey that shows form: neither white nor dark.
 pub(super) fn grey() -> Material {
-    Material::from(Matte { albedo: Rgb::grey(0.5) }).named("grey")
+    Material::from(Matte::new(Rgb::grey(0.5))).named("grey")
 }
 
 /// A scene with nothing in it, seen by a camera that is to be replaced.

@@ -264,7 +264,7 @@ impl<'a> Parser<'a> {
             Mirror { reflectance: self.clamped("Ks", ks, 0.0, 1.0, at, &shown) }.into()
         } else {
             let kd = written.kd.unwrap_or(DEFAULT_ALBEDO);
-            Matte { albedo: self.clamped("Kd", kd, 0.0, 1.0, at, &shown) }.into()
+            Matte::new(self.clamped("Kd", kd, 0.0, 1.0, at, &shown)).into()
         };
         let mut material = material.named(written.name);
         if let Some(ke) = written.ke {

@@ -23,7 +23,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[render]\nssp = 4", r#"9:1: no key "ssp"; did you mean "spp"?"#),
     (
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nrougness = 1",
-        r#"11:1: no key "rougness" in a matte material; there are name, type, emission, albedo"#,
+        r#"11:1: no key "rougness"; did you mean "roughness"?"#,
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbdo = 1",
@@ -31,7 +31,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nior = 1.5",
-        r#"11:1: no key "ior" in a matte material, only in a dielectric"#,
+        r#"11:1: no key "ior" in a matte material, only in a dielectric or a thin dielectric"#,
     ),
     ("[[material]]\nnme = \"a\"\ntype = \"matte\"", r#"9:1: no key "nme"; did you mean "name"?"#),
     ("[[material]]\nname = \"a\"\n", r#"8:1: [[material]] needs "type""#),
@@ -127,6 +127,64 @@ const MISTAKES: &[(&str, &str)] = &[
     (
         "[[shape]]\ntype = \"sun\"",
         r#"9:8: no shape type "sun"; there are mesh, sphere, rectangle, disk, box"#,
+    ),
+    // Roughness, metals, panes.
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nroughness = 1.5",
+        "11:13: roughness is 1.5, but must lie between 0 and 1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"conductor\"\nmetal = \"gold\"\nroughness = -0.1",
+        "12:13: roughness is -0.1, but must lie between 0 and 1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nroughness = \"rough\"",
+        "11:13: roughness must be a number, not the text \"rough\"",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nroughness = 0.3\nfresnel = \"schlick\"",
+        "12:11: fresnel \"schlick\" is for smooth glass; rough glass takes \"exact\"",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"mirror\"\nroughness = 0.3",
+        r#"11:1: no key "roughness" in a mirror, only in a matte material or a conductor or a dielectric"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"conductor\"\nmetal = \"glod\"",
+        r#"11:9: no metal "glod"; did you mean "gold"?"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"conductor\"\nmetal = \"platinum\"",
+        r#"11:9: no metal "platinum"; there are gold, copper, silver, aluminium"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"conductor\"\nmetal = \"gold\"\neta = 1",
+        "12:7: give metal or eta, not both",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"conductor\"\nmetal = \"gold\"\nk = 1",
+        "12:5: give metal, or eta and k, not both",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"conductor\"",
+        r#"8:1: a conductor needs "metal" or "eta""#,
+    ),
+    ("[[material]]\nname = \"a\"\ntype = \"conductor\"\neta = 1", r#"8:1: a conductor needs "k""#),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"thin-dielectric\"\nior = 0.5",
+        "11:7: ior is 0.5, but must lie between 1 and 10",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"thin-dielectric\"\ncolor = [1, 1, 2]",
+        "11:9: color is 2, but must lie between 0 and 1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"thin-dielectric\"\nsigma_a = 1",
+        r#"11:1: no key "sigma_a" in a thin dielectric, only in a dielectric"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"null\"\nalbedo = 1",
+        r#"11:1: no key "albedo" in a null material, only in a matte material"#,
     ),
     // Ranges.
     ("[render]\nspp = 0", "9:7: spp is 0, but must be 1 or more"),

@@ -7,7 +7,7 @@ use rutilant::color::Rgb;
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::light::{EnvironmentLight, Light, SpotLight};
-use rutilant::material::{Absorption, EmittedLight, MaterialKind};
+use rutilant::material::{Absorption, EmittedLight, MaterialKind, Metal};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{
     Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
@@ -228,6 +228,33 @@ fn settings_have_names() {
         get("size = [64, 32]\ncrop = [1, 2, 3, 4]").crop,
         Some(Crop { x: 1, y: 2, width: 3, height: 4 })
     );
+}
+
+/// Roughness, measured metals and panes arrive where they belong.
+#[test]
+fn rough_and_thin_materials_mean_what_they_say() {
+    let kind = |lines: &str| {
+        let text = format!("[[material]]\nname = \"a\"\n{lines}");
+        read(&text).scene.materials[1].kind.clone()
+    };
+    let MaterialKind::Matte(clay) = kind("type = \"matte\"\nroughness = 0.7") else { panic!() };
+    assert_eq!((clay.albedo, clay.roughness), (Rgb::grey(0.5), 0.7));
+    for (name, metal) in [
+        ("gold", Metal::Gold),
+        ("copper", Metal::Copper),
+        ("silver", Metal::Silver),
+        ("aluminium", Metal::Aluminium),
+    ] {
+        let lines = format!("type = \"conductor\"\nmetal = \"{name}\"\nroughness = 0.2");
+        assert_eq!(kind(&lines), MaterialKind::Conductor(metal.conductor(0.2)));
+    }
+    let MaterialKind::Dielectric(ice) = kind("type = \"dielectric\"\nroughness = 0.4") else {
+        panic!()
+    };
+    assert_eq!((ice.interior.ior, ice.roughness), (1.5, 0.4));
+    let MaterialKind::ThinDielectric(pane) = kind("type = \"thin-dielectric\"") else { panic!() };
+    assert_eq!((pane.ior, pane.color), (1.5, Rgb::WHITE));
+    assert_eq!(kind("type = \"null\""), MaterialKind::Null);
 }
 
 /// Scale, then rotation, then translation; and about x before y before z.

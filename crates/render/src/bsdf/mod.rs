@@ -7,17 +7,28 @@
 
 mod conductor;
 mod dielectric;
+mod energy;
 mod fresnel;
 mod lambert;
+mod microfacet;
 mod mirror;
+mod oren_nayar;
+mod rough_conductor;
+mod rough_dielectric;
 mod sample;
+mod thin_dielectric;
 
 pub use conductor::SmoothConductor;
 pub use dielectric::SmoothDielectric;
 pub use fresnel::Fresnel;
 pub use lambert::Lambert;
+pub use microfacet::Ggx;
 pub use mirror::PerfectMirror;
+pub use oren_nayar::OrenNayar;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
 pub use sample::BsdfSample;
+pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
@@ -27,20 +38,48 @@ use rutilant_geom::{Vec2, Vec3};
 pub enum Lobe {
     /// Diffuse reflection.
     Lambert(Lambert),
+    /// Diffuse reflection from a rough surface.
+    OrenNayar(OrenNayar),
     /// Mirror reflection, the same at every angle.
     Mirror(PerfectMirror),
     /// Mirror reflection as metal does it.
     Conductor(SmoothConductor),
+    /// Reflection by rough metal.
+    RoughConductor(RoughConductor),
     /// Reflection and refraction.
     Dielectric(SmoothDielectric),
+    /// Reflection and refraction at a rough border.
+    RoughDielectric(RoughDielectric),
+    /// Reflection by a pane, and the way through it.
+    ThinDielectric(ThinDielectric),
 }
 
 impl Lobe {
     /// True for a lobe that scatters into single directions: it can only be sampled.
     pub fn is_delta(&self) -> bool {
         match self {
-            Self::Lambert(_) => false,
-            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => true,
+            Self::Lambert(_)
+            | Self::OrenNayar(_)
+            | Self::RoughConductor(_)
+            | Self::RoughDielectric(_) => false,
+            Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::ThinDielectric(_) => true,
+        }
+    }
+
+    /// True for a lobe that scatters light through the surface, and not into single directions.
+    pub fn is_translucent(&self) -> bool {
+        match self {
+            Self::RoughDielectric(_) => true,
+            Self::Lambert(_)
+            | Self::OrenNayar(_)
+            | Self::RoughConductor(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::ThinDielectric(_) => false,
         }
     }
 
@@ -48,7 +87,13 @@ impl Lobe {
     pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         match self {
             Self::Lambert(l) => l.eval_cos(wo, wi),
-            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => Spectrum::BLACK,
+            Self::OrenNayar(l) => l.eval_cos(wo, wi),
+            Self::RoughConductor(l) => l.eval_cos(wo, wi),
+            Self::RoughDielectric(l) => Spectrum::splat(l.eval_cos(wo, wi)),
+            Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::ThinDielectric(_) => Spectrum::BLACK,
         }
     }
 
@@ -56,7 +101,13 @@ impl Lobe {
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         match self {
             Self::Lambert(l) => l.pdf(wo, wi),
-            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) => 0.0,
+            Self::OrenNayar(l) => l.pdf(wo, wi),
+            Self::RoughConductor(l) => l.pdf(wo, wi),
+            Self::RoughDielectric(l) => l.pdf(wo, wi),
+            Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::ThinDielectric(_) => 0.0,
         }
     }
 
@@ -65,9 +116,13 @@ impl Lobe {
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Lambert(l) => l.sample(wo, u),
+            Self::OrenNayar(l) => l.sample(wo, choice, u),
             Self::Mirror(l) => l.sample(wo),
             Self::Conductor(l) => l.sample(wo),
+            Self::RoughConductor(l) => l.sample(wo, choice, u),
             Self::Dielectric(l) => l.sample(wo, choice),
+            Self::RoughDielectric(l) => l.sample(wo, choice, u),
+            Self::ThinDielectric(l) => l.sample(wo, choice),
         }
     }
 
@@ -76,9 +131,12 @@ impl Lobe {
     pub fn albedo(&self) -> Spectrum {
         match self {
             Self::Lambert(l) => l.albedo,
+            Self::OrenNayar(l) => l.albedo(),
             Self::Mirror(l) => l.reflectance,
             Self::Conductor(l) => l.albedo(),
-            Self::Dielectric(_) => Spectrum::WHITE,
+            Self::RoughConductor(l) => l.albedo(),
+            Self::Dielectric(_) | Self::RoughDielectric(_) => Spectrum::WHITE,
+            Self::ThinDielectric(l) => l.albedo(),
         }
     }
 }
@@ -139,7 +197,16 @@ impl Bsdf {
     pub(crate) fn with_eta(self, eta: f32) -> Self {
         let lobe = |lobe| match lobe {
             Lobe::Dielectric(l) => Lobe::Dielectric(SmoothDielectric { eta, ..l }),
-            Lobe::Lambert(_) | Lobe::Mirror(_) | Lobe::Conductor(_) => lobe,
+            Lobe::RoughDielectric(l) => RoughDielectric::new(eta, l.roughness()).map_or(
+                Lobe::Dielectric(SmoothDielectric { eta, fresnel: Fresnel::Exact }),
+                Lobe::RoughDielectric,
+            ),
+            Lobe::Lambert(_)
+            | Lobe::OrenNayar(_)
+            | Lobe::Mirror(_)
+            | Lobe::Conductor(_)
+            | Lobe::RoughConductor(_)
+            | Lobe::ThinDielectric(_) => lobe,
         };
         Self { lobes: self.lobes.map(|l| l.map(|l| WeightedLobe { lobe: lobe(l.lobe), ..l })) }
     }
@@ -147,6 +214,11 @@ impl Bsdf {
     /// True when light sampling can find nothing here: every lobe is a delta, or there is none.
     pub fn is_delta(&self) -> bool {
         self.lobes().all(|l| l.lobe.is_delta())
+    }
+
+    /// True when light sampling can find light beyond the surface.
+    pub fn is_translucent(&self) -> bool {
+        self.lobes().any(|l| l.lobe.is_translucent())
     }
 
     /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr, without the delta lobes.

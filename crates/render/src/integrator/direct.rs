@@ -28,30 +28,36 @@ impl Integrator for Direct {
         rays: &mut u64,
     ) -> Spectrum {
         let (mut ray, mut media) = (ray, scene.camera_media());
-        let way = follow(scene, &mut ray, &mut media, rays);
+        let mut radiance = Spectrum::BLACK;
+        let way = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+            radiance += emitted(SeenEmission::of_surface(scene, glowing.at)) * glowing.through;
+        });
         let Some(met) = way.met else {
-            return SeenEmission::of_sky(scene, ray.direction)
-                .map_or(Spectrum::BLACK, |s| s.radiance * way.through);
+            return radiance + emitted(SeenEmission::of_sky(scene, ray.direction)) * way.through;
         };
         let (at, bsdf) = (&met.at, &met.material.bsdf);
         let wo = at.wo_local();
         let bounce = Bounce::at(1);
-        let mut radiance =
-            SeenEmission::of_surface(scene, at).map_or(Spectrum::BLACK, |e| e.radiance);
+        radiance += emitted(SeenEmission::of_surface(scene, at)) * way.through;
 
-        // Rough lobes: one light, anywhere on it.
-        let origin = at.reflected_origin();
-        if let Some((emitter, pmf)) = self.selection.select(origin, sampler.d1(bounce.light()))
+        // Rough lobes: one light, anywhere on it, and for clear surfaces on either side.
+        let translucent = bsdf.is_translucent();
+        let from = if translucent { at.position } else { at.reflected_origin() };
+        if let Some((emitter, pmf)) = self.selection.select(from, sampler.d1(bounce.light()))
             && !bsdf.is_delta()
             && let Some(light) =
-                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))
+                scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))
         {
+            let wi = at.shading.to_local(light.wi);
+            let beyond = wo.z * wi.z < 0.0;
+            let origin = if translucent { at.surface_origin(beyond) } else { from };
             *rays += 1;
             if !scene.occluded(&light.shadow_ray(origin)) {
-                let scattered = bsdf.eval_cos(wo, at.shading.to_local(light.wi));
+                let sides = [media.absorption, met.absorption_beyond(&media)];
                 let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-                let through = transmittance(media.absorption, distance);
-                radiance += scattered * light.radiance * through * (1.0 / (pmf * light.pdf));
+                let through = way.through * transmittance(sides[usize::from(beyond)], distance);
+                let scattered = bsdf.eval_cos(wo, wi) * (1.0 / (pmf * light.pdf));
+                radiance += scattered * light.radiance * through;
             }
         }
 
@@ -62,21 +68,30 @@ impl Integrator for Direct {
             if crossed {
                 met.cross(&mut media);
             }
-            let mut ray = at.scattered_ray(&sample, crossed);
-            let from = ray.origin;
-            let onward = follow(scene, &mut ray, &mut media, rays);
+            let mut ray = at.scattered_ray(bsdf, &sample, crossed);
+            let (from, direction, weight) =
+                (ray.origin, ray.direction, way.through * sample.weight);
+            let unsampled = |seen: Option<SeenEmission>, beyond_passed: bool| {
+                emitted(seen.filter(|seen| {
+                    sample.delta
+                        || beyond_passed
+                        || seen.light_pdf(scene, &self.selection, from, direction) == 0.0
+                }))
+            };
+            let onward = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+                let seen = SeenEmission::of_surface(scene, glowing.at);
+                radiance += unsampled(seen, glowing.beyond_passed) * weight * glowing.through;
+            });
             let seen = match &onward.met {
                 Some(met) => SeenEmission::of_surface(scene, &met.at),
-                None => SeenEmission::of_sky(scene, ray.direction),
+                None => SeenEmission::of_sky(scene, direction),
             };
-            if let Some(seen) = seen
-                && (sample.delta
-                    || onward.passed
-                    || seen.light_pdf(scene, &self.selection, from, ray.direction) == 0.0)
-            {
-                radiance += seen.radiance * sample.weight * onward.through;
-            }
+            radiance += unsampled(seen, onward.passed) * weight * onward.through;
         }
-        radiance * way.through
+        radiance
     }
+}
+
+fn emitted(seen: Option<SeenEmission>) -> Spectrum {
+    seen.map_or(Spectrum::BLACK, |seen| seen.radiance)
 }

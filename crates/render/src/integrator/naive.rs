@@ -35,7 +35,11 @@ impl Integrator for Naive {
         let mut media = scene.camera_media();
         let mut ray = camera_ray;
         for depth in 1..=self.max_depth {
-            let way = follow(scene, &mut ray, &mut media, rays);
+            let way = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+                if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
+                    radiance += throughput * glowing.through * emission.radiance;
+                }
+            });
             throughput *= way.through;
             let Some(met) = way.met else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
@@ -55,7 +59,7 @@ impl Integrator for Naive {
             if crossed {
                 met.cross(&mut media);
             }
-            ray = met.at.scattered_ray(&sample, crossed);
+            ray = met.at.scattered_ray(&met.material.bsdf, &sample, crossed);
 
             let (from, survival) = SURVIVAL;
             if depth >= from {

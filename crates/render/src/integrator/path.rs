@@ -61,14 +61,23 @@ impl Integrator for Path {
 
         for depth in 1..=self.max_depth {
             // Find the next surface, or leave the scene, and lose what the media on the way take.
-            let way = follow(scene, &mut ray, &mut media, rays);
+            let direction = ray.direction;
+            let way = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+                if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
+                    let previous = previous.as_ref().filter(|_| !glowing.beyond_passed);
+                    let seen = self.weighted(scene, &emission, direction, previous);
+                    radiance += throughput * glowing.through * seen;
+                }
+            });
             throughput *= way.through;
-            if let (true, Some(previous)) = (way.passed, &mut previous) {
-                previous.delta = true;
+            if way.passed {
+                // Light sampling could not have come through.
+                previous = None;
             }
             let Some(met) = way.met else {
-                if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
-                    radiance += throughput * self.weighted(scene, &sky, &ray, previous.as_ref());
+                if let Some(sky) = SeenEmission::of_sky(scene, direction) {
+                    radiance +=
+                        throughput * self.weighted(scene, &sky, direction, previous.as_ref());
                 }
                 break;
             };
@@ -77,7 +86,8 @@ impl Integrator for Path {
 
             // Light that starts here, weighted against having been chosen by light sampling.
             if let Some(emission) = SeenEmission::of_surface(scene, at) {
-                radiance += throughput * self.weighted(scene, &emission, &ray, previous.as_ref());
+                radiance +=
+                    throughput * self.weighted(scene, &emission, direction, previous.as_ref());
             }
             if depth == self.max_depth {
                 break;
@@ -86,16 +96,10 @@ impl Integrator for Path {
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);
             if !material.bsdf.is_delta() {
+                let beyond = met.absorption_beyond(&media);
+                let sides = [media.absorption, beyond];
                 radiance += throughput
-                    * self.direct_light(
-                        scene,
-                        at,
-                        material,
-                        media.absorption,
-                        sampler,
-                        bounce,
-                        rays,
-                    );
+                    * self.direct_light(scene, at, material, sides, sampler, bounce, rays);
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -106,7 +110,7 @@ impl Integrator for Path {
             };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
-            ray = at.scattered_ray(&sample, crossed);
+            ray = at.scattered_ray(&material.bsdf, &sample, crossed);
             previous =
                 Some(Previous { position: ray.origin, pdf: sample.pdf, delta: sample.delta });
             if crossed {
@@ -128,20 +132,19 @@ impl Integrator for Path {
 }
 
 impl Path {
-    /// Emission that a ray ran into, times the share that BSDF sampling has in finding it.
+    /// Emission that a ray in this direction ran into, times the share that BSDF sampling has in finding it.
     fn weighted(
         &self,
         scene: &Prepared,
         seen: &SeenEmission,
-        ray: &Ray,
+        direction: Vec3,
         previous: Option<&Previous>,
     ) -> Spectrum {
         let share = match previous {
             None => 1.0,
             Some(p) if p.delta => 1.0,
             Some(p) => {
-                let light_pdf =
-                    || seen.light_pdf(scene, &self.selection, p.position, ray.direction);
+                let light_pdf = || seen.light_pdf(scene, &self.selection, p.position, direction);
                 match self.strategy {
                     Strategy::BsdfOnly => 1.0,
                     // What no light sample finds counts in full.
@@ -155,23 +158,25 @@ impl Path {
     }
 
     /// Light from one light that is chosen for `at`, times the share that light sampling has in
-    /// finding it, scattered towards `wo`.
+    /// finding it, scattered towards `wo`. `sides` are the absorptions on the side of `wo` and
+    /// beyond the surface.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
     fn direct_light<S: Sampler>(
         &self,
         scene: &Prepared,
         at: &SurfaceInteraction,
         material: &PreparedMaterial,
-        absorption: Spectrum,
+        sides: [Spectrum; 2],
         sampler: &S,
         bounce: Bounce,
         rays: &mut u64,
     ) -> Spectrum {
-        let origin = at.reflected_origin();
+        // Light may arrive on either side of a clear surface: seen from the surface itself.
+        let translucent = material.bsdf.is_translucent();
+        let from = if translucent { at.position } else { at.reflected_origin() };
         let arriving = || {
-            let (emitter, pmf) = self.selection.select(origin, sampler.d1(bounce.light()))?;
-            let light =
-                scene.emitters()[emitter].sample(origin, sampler.d2(bounce.light_point()))?;
+            let (emitter, pmf) = self.selection.select(from, sampler.d1(bounce.light()))?;
+            let light = scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))?;
             let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
             let scattered = material.bsdf.eval_cos(wo, wi);
             let pdf = pmf * light.pdf;
@@ -182,15 +187,17 @@ impl Path {
                 Strategy::Both => self.heuristic.share(pdf, material.bsdf.pdf(wo, wi)),
             };
             let unshadowed = scattered * light.radiance * (share / pdf);
-            (!unshadowed.is_black()).then_some((light, unshadowed))
+            let beyond = wo.z * wi.z < 0.0;
+            (!unshadowed.is_black()).then_some((light, unshadowed, beyond))
         };
-        let Some((light, unshadowed)) = arriving() else { return Spectrum::BLACK };
+        let Some((light, unshadowed, beyond)) = arriving() else { return Spectrum::BLACK };
+        let origin = if translucent { at.surface_origin(beyond) } else { from };
         *rays += 1;
         if scene.occluded(&light.shadow_ray(origin)) {
             return Spectrum::BLACK;
         }
         let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-        unshadowed * transmittance(absorption, distance)
+        unshadowed * transmittance(sides[usize::from(beyond)], distance)
     }
 
     /// The probability with which a path goes on after its `depth`-th segment.

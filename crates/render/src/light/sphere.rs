@@ -63,6 +63,9 @@ impl SphereEmitter {
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
         match Cone::seen_from(from, &self.sphere) {
+            // Light samples end where the sphere is met first. Through one that rays pass, its far
+            // wall is found by scattered rays alone.
+            Some(_) if wi.dot(normal) > 0.0 => 0.0,
             Some(cone) => cone.pdf(),
             None => area_to_solid_angle(1.0 / self.area(), position - from, wi, normal),
         }

@@ -1,15 +1,19 @@
-//! Smooth metal, with the reflection that its complex index of refraction gives.
+//! Metal, polished or rough, with the reflection that its complex index of refraction gives.
 
 use crate::color::Rgb;
-use crate::problem::{Place, SceneProblem};
+use crate::problem::{Place, SceneProblem, UNIT};
 
-/// A smooth metal seen from a medium of index 1. The index is `eta + i k`, per channel.
+/// A metal seen from a medium of index 1. The index is `eta + i k`, per channel.
+///
+/// Measured ones are in [`Metal`](super::Metal).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     /// Real part of the index of refraction, 0 to 1000.
     pub eta: Rgb,
     /// Imaginary part (extinction), 0 to 1000.
     pub k: Rgb,
+    /// How rough it is, 0 (a mirror) to 1. The α of GGX is its square.
+    pub roughness: f32,
 }
 
 /// The largest part of an index accepted; metals stay below 100 even in the infrared.
@@ -18,6 +22,7 @@ const MAX_INDEX: f32 = 1000.0;
 impl Conductor {
     pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
         place.check("eta", self.eta.0, 0.0..=MAX_INDEX)?;
-        place.check("k", self.k.0, 0.0..=MAX_INDEX)
+        place.check("k", self.k.0, 0.0..=MAX_INDEX)?;
+        place.check("roughness", [self.roughness], UNIT)
     }
 }

@@ -1,18 +1,18 @@
-//! Glass, water, gems: a smooth border between two clear media.
+//! Glass, water, gems: a smooth or rough border between two clear media.
 
 use crate::bsdf::Fresnel;
 use crate::color::{Rgb, Spectrum};
-use crate::problem::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem};
+use crate::problem::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem, UNIT};
 use rutilant_geom::real;
 
-/// A smooth border. The interior is where the surface normals point away from.
+/// A border. The interior is where the surface normals point away from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// What is inside, glass of index 1.5 for example.
     pub interior: Medium,
     /// What is outside, most often air.
     pub exterior: Medium,
-    /// How the reflected part is computed.
+    /// How the reflected part is computed; exactly where the border is rough.
     pub fresnel: Fresnel,
     /// Which medium fills the place where bodies overlap: that of the highest priority, of equal
     /// ones that of the first material. Its border then has what surrounds it on the other side,
@@ -21,6 +21,8 @@ pub struct Dielectric {
     ///
     /// Bodies must be closed, and must overlap rather than touch. They may not glow.
     pub priority: Option<u32>,
+    /// How rough the border is, 0 (smooth) to 1. The α of GGX is its square.
+    pub roughness: f32,
 }
 
 /// A clear medium.
@@ -49,7 +51,7 @@ pub enum Absorption {
 }
 
 /// The highest index of refraction accepted; diamond has 2.42, germanium 4.
-const MAX_IOR: f32 = 10.0;
+pub(super) const MAX_IOR: f32 = 10.0;
 
 impl Medium {
     /// Air, or nothing.
@@ -89,18 +91,27 @@ impl Absorption {
 }
 
 impl Dielectric {
-    /// Clear glass of some index in air, with the exact Fresnel equations.
+    /// Smooth clear glass of some index in air, with the exact Fresnel equations.
     pub fn new(ior: f32) -> Self {
         Self {
             interior: Medium { ior, absorption: Absorption::None },
             exterior: Medium::AIR,
             fresnel: Fresnel::Exact,
             priority: None,
+            roughness: 0.0,
         }
     }
 
     pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
         self.interior.validate(place, "ior", true)?;
-        self.exterior.validate(place, "exterior_ior", false)
+        self.exterior.validate(place, "exterior_ior", false)?;
+        place.check("roughness", [self.roughness], UNIT)?;
+        match self.fresnel {
+            Fresnel::Schlick if self.roughness > 0.0 => Err(place.problem(
+                "fresnel",
+                "fresnel \"schlick\" is for smooth glass; rough glass takes \"exact\"",
+            )),
+            Fresnel::Schlick | Fresnel::Exact => Ok(()),
+        }
     }
 }

@@ -5,17 +5,22 @@ mod custom;
 mod dielectric;
 mod emission;
 mod matte;
+mod metals;
 mod mirror;
 mod mix;
+mod thin_dielectric;
 
 pub use conductor::Conductor;
 pub use custom::{CustomMaterial, SurfacePoint};
 pub use dielectric::{Absorption, Dielectric, Medium};
 pub use emission::{Emission, EmittedLight};
 pub use matte::Matte;
+pub use metals::Metal;
 pub use mirror::Mirror;
 pub use mix::Mix;
+pub use thin_dielectric::ThinDielectric;
 
+use crate::color::Rgb;
 use crate::problem::{Place, SceneProblem, UNIT};
 use std::sync::Arc;
 
@@ -35,14 +40,18 @@ pub struct Material {
 pub enum MaterialKind {
     /// Absorbs everything; lamps are often this.
     Black,
-    /// Equally bright from everywhere.
+    /// Nothing: light passes as if there were no surface.
+    Null,
+    /// Diffuse.
     Matte(Matte),
     /// A perfect mirror of a given colour.
     Mirror(Mirror),
-    /// Smooth metal.
+    /// Metal.
     Conductor(Conductor),
-    /// Glass, water: smooth and clear, with or without colour.
+    /// Glass, water: clear, with or without colour.
     Dielectric(Dielectric),
+    /// A pane of glass without an inside.
+    ThinDielectric(ThinDielectric),
     /// Two other materials in some proportion.
     Mix(Mix),
     /// A material of others' making.
@@ -69,10 +78,17 @@ impl Material {
         self
     }
 
+    /// False where nothing glows, or only black.
+    pub fn gives_light(&self) -> bool {
+        self.emission.is_some_and(|e| match e.light {
+            EmittedLight::Radiance(rgb) | EmittedLight::Power(rgb) => rgb != Rgb::BLACK,
+        })
+    }
+
     pub(crate) fn validate(&self, index: usize, all: &[Self]) -> Result<(), SceneProblem> {
         let place = Place::Material(index);
         match &self.kind {
-            MaterialKind::Black | MaterialKind::Custom(_) => {}
+            MaterialKind::Black | MaterialKind::Null | MaterialKind::Custom(_) => {}
             MaterialKind::Matte(m) => m.validate(place)?,
             MaterialKind::Mirror(m) => m.validate(place)?,
             MaterialKind::Conductor(m) => m.validate(place)?,
@@ -86,6 +102,7 @@ impl Material {
                     ));
                 }
             }
+            MaterialKind::ThinDielectric(m) => m.validate(place)?,
             MaterialKind::Mix(m) => m.validate(place, all)?,
         }
         self.emission.as_ref().map_or(Ok(()), |e| e.validate(place))
@@ -110,9 +127,11 @@ impl Mix {
                 ),
                 Some(
                     MaterialKind::Black
+                    | MaterialKind::Null
                     | MaterialKind::Matte(_)
                     | MaterialKind::Mirror(_)
-                    | MaterialKind::Conductor(_),
+                    | MaterialKind::Conductor(_)
+                    | MaterialKind::ThinDielectric(_),
                 ) => continue,
             };
             return Err(place.problem(key, what));
@@ -130,7 +149,7 @@ macro_rules! material_from {
         }
     )*};
 }
-material_from!(Matte, Mirror, Conductor, Dielectric, Mix);
+material_from!(Matte, Mirror, Conductor, Dielectric, ThinDielectric, Mix);
 
 impl From<Arc<dyn CustomMaterial>> for Material {
     fn from(custom: Arc<dyn CustomMaterial>) -> Self {

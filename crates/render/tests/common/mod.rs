@@ -5,7 +5,7 @@
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
 use rutilant::color::Spectrum;
-use rutilant::geom::{Vec2, Vec3, real};
+use rutilant::geom::{Frame, Vec2, Vec3, real};
 use rutilant::image::Image;
 use rutilant::sampler::{Independent, Sampler};
 use rutilant::scene::Scene;
@@ -19,6 +19,18 @@ use std::time::Duration;
 pub fn random(stream: u64, i: u64) -> (f32, Vec2) {
     let sampler = Independent::new(stream, [0, 0], i);
     (sampler.d1(0), sampler.d2(0))
+}
+
+/// Number `i` of a sequence that is spread evenly over a number and a pair, all in [0, 1): each
+/// step adds powers of the root of x⁴ = x + 1 (Roberts, "The Unreasonable Effectiveness of
+/// Quasirandom Sequences", 2018).
+pub fn well_spread(i: u64) -> (f32, Vec2) {
+    const ROOT: f64 = 1.220_744_084_605_759_5;
+    let step = |power: i32| {
+        let x = ((i as f64 + 0.5) * ROOT.powi(-power)).fract();
+        (x as f32).min(1.0 - 0.5 * f32::EPSILON)
+    };
+    (step(3), Vec2::new(step(1), step(2)))
 }
 
 /// Directions `wo` over a range of angles with +z, each at a few angles around it.
@@ -86,6 +98,116 @@ pub fn family_wise(tests: usize) -> f64 {
     1.0 - 0.99_f64.powf(1.0 / tests as f64)
 }
 
+/// Where a density may be narrow: around `pole`, within about `width` radians. Infinite is even.
+#[derive(Clone, Copy, Debug)]
+pub struct Focus {
+    pub pole: Vec3,
+    pub width: f64,
+}
+
+/// A sphere, or its part above or below z = 0, cut into cells around a pole. Rows are even in
+/// ln (v + s), where v is the part of the sphere nearer to the pole and s about that within the
+/// width: however narrow a density is, it fills many cells.
+struct Chart {
+    axes: [[f64; 3]; 3],
+    s: f64,
+    /// ln (1 + 1 / s)
+    rows: f64,
+    /// The sign of z that the chart is for; 0 for both.
+    side: f64,
+}
+
+impl Chart {
+    // Odd numbers, so that cells do not end where the hemispheres do by luck.
+    const ROWS: usize = 25;
+    const COLUMNS: usize = 48;
+    const CELLS: usize = Self::ROWS * Self::COLUMNS;
+
+    fn new(focus: Focus, side: f64) -> Self {
+        let frame = Frame::around(focus.pole);
+        let axes = [frame.x, frame.y, frame.z].map(|v| v.to_array().map(f64::from));
+        // An eighth of the width, so that what is within it has rows as well.
+        let s = if focus.width < 1.0 { 0.004 * focus.width * focus.width } else { 1e6 };
+        Self { axes, s, rows: (1.0 / s).ln_1p(), side }
+    }
+
+    fn cell(&self, d: Vec3) -> usize {
+        let d = d.to_array().map(f64::from);
+        let [x, y, z] = self.axes.map(|a| a[0] * d[0] + a[1] * d[1] + a[2] * d[2]);
+        // Near the pole 1 - z would be all rounding.
+        let r2 = x * x + y * y;
+        let v = if z > 0.0 { 0.5 * r2 / (1.0 + z) } else { 0.5 - 0.5 * z };
+        let row = (v / self.s).ln_1p() / self.rows * Self::ROWS as f64;
+        let column = (y.atan2(x) / (2.0 * PI)).rem_euclid(1.0) * Self::COLUMNS as f64;
+        (row as usize).min(Self::ROWS - 1) * Self::COLUMNS
+            + (column as usize).min(Self::COLUMNS - 1)
+    }
+
+    /// The density per unit of (row, column), each from 0 to its number.
+    fn density(&self, row: f64, column: f64, pdf: &impl Fn(Vec3) -> f32) -> f64 {
+        let v = self.s * (row / Self::ROWS as f64 * self.rows).exp_m1();
+        let (r, z) = (2.0 * (v * (1.0 - v)).max(0.0).sqrt(), 1.0 - 2.0 * v);
+        let (s, c) = (2.0 * PI * column / Self::COLUMNS as f64).sin_cos();
+        let [ax, ay, az] = self.axes;
+        let d = [0, 1, 2].map(|i| r * c * ax[i] + r * s * ay[i] + z * az[i]);
+        if self.side * d[2] < 0.0 {
+            return 0.0;
+        }
+        let density = pdf(Vec3::from(d.map(|x| x as f32)));
+        assert!(density >= 0.0 && density.is_finite(), "a density of {density}");
+        let solid_angle = 4.0 * PI * (v + self.s) * self.rows;
+        f64::from(density) * solid_angle / Self::CELLS as f64
+    }
+
+    /// The density integrated over a square, by nine Gauss points.
+    fn gauss(&self, [row, column]: [f64; 2], side: f64, pdf: &impl Fn(Vec3) -> f32) -> f64 {
+        const POINTS: [(f64, f64); 3] = [
+            (0.112_701_665_379_258_3, 5.0 / 18.0),
+            (0.5, 8.0 / 18.0),
+            (0.887_298_334_620_741_7, 5.0 / 18.0),
+        ];
+        let mut sum = 0.0;
+        for (x, a) in POINTS {
+            for (y, b) in POINTS {
+                sum += a * b * self.density(row + side * x, column + side * y, pdf);
+            }
+        }
+        sum * side * side
+    }
+
+    /// The same, in quarters and again in quarters until those change nothing that matters.
+    fn integrate(
+        &self,
+        corner: [f64; 2],
+        side: f64,
+        whole: f64,
+        tolerance: f64,
+        pdf: &impl Fn(Vec3) -> f32,
+    ) -> f64 {
+        let half = 0.5 * side;
+        let corners = [[0.0, 0.0], [half, 0.0], [0.0, half], [half, half]]
+            .map(|[x, y]| [corner[0] + x, corner[1] + y]);
+        let parts = corners.map(|corner| self.gauss(corner, half, pdf));
+        let sum: f64 = parts.iter().sum();
+        if (sum - whole).abs() <= tolerance + 2e-4 * sum || side < 1.0 / 300.0 {
+            return sum;
+        }
+        let parts = corners.into_iter().zip(parts);
+        parts.map(|(c, part)| self.integrate(c, half, part, 0.25 * tolerance, pdf)).sum()
+    }
+
+    /// The part of all samples that a cell should get: cut into `cuts`², each integrated.
+    fn expected(&self, cell: usize, cuts: usize, pdf: &impl Fn(Vec3) -> f32) -> f64 {
+        let side = 1.0 / cuts as f64;
+        let (row, column) = ((cell / Self::COLUMNS) as f64, (cell % Self::COLUMNS) as f64);
+        let corners = (0..cuts * cuts)
+            .map(|i| [row + (i / cuts) as f64 * side, column + (i % cuts) as f64 * side]);
+        corners
+            .map(|c| self.integrate(c, side, self.gauss(c, side, pdf), 2e-7 * side * side, pdf))
+            .sum()
+    }
+}
+
 /// Pearson's test that directions drawn by `sample` follow `pdf` (per sr), over the whole sphere.
 /// Samples that are `None` are expected as often as the density lacks from 1.
 /// Returns the p-value; panics where a direction is drawn at which the density is zero.
@@ -94,45 +216,50 @@ pub fn chi_square(
     sample: impl Fn(f32, Vec2) -> Option<Vec3>,
     pdf: impl Fn(Vec3) -> f32,
 ) -> f64 {
-    // Odd numbers, so that cells do not end where the hemispheres do by luck.
-    const ROWS: usize = 25;
-    const COLUMNS: usize = 48;
+    let even = Focus { pole: Vec3::Z, width: f64::INFINITY };
+    chi_square_over(stream, &[Chart::new(even, 0.0)], 4, sample, pdf)
+}
+
+/// The same with eyes for what is narrow: above and below z = 0, around one pole each.
+pub fn chi_square_focused(
+    stream: u64,
+    [above, below]: [Focus; 2],
+    sample: impl Fn(f32, Vec2) -> Option<Vec3>,
+    pdf: impl Fn(Vec3) -> f32,
+) -> f64 {
+    let charts = [Chart::new(above, 1.0), Chart::new(below, -1.0)];
+    chi_square_over(stream, &charts, 1, sample, pdf)
+}
+
+fn chi_square_over(
+    stream: u64,
+    charts: &[Chart],
+    cuts: usize,
+    sample: impl Fn(f32, Vec2) -> Option<Vec3>,
+    pdf: impl Fn(Vec3) -> f32,
+) -> f64 {
     const SAMPLES: u64 = 200_000;
 
     // What is drawn.
-    let mut counts = vec![0.0; ROWS * COLUMNS + 1];
+    let all = charts.len() * Chart::CELLS;
+    let mut counts = vec![0.0; all + 1];
     for i in 0..SAMPLES {
         let (choice, u) = random(stream, i);
-        let cell = sample(choice, u).map_or(ROWS * COLUMNS, |d| {
-            let row = ((0.5 - 0.5 * f64::from(d.z)) * ROWS as f64) as usize;
-            let turn = (f64::from(d.y).atan2(f64::from(d.x)) / (2.0 * PI)).rem_euclid(1.0);
-            let column = (turn * COLUMNS as f64) as usize;
-            row.min(ROWS - 1) * COLUMNS + column.min(COLUMNS - 1)
+        let cell = sample(choice, u).map_or(all, |d| {
+            let chart = if d.z < 0.0 { charts.len() - 1 } else { 0 };
+            chart * Chart::CELLS + charts[chart].cell(d)
         });
         counts[cell] += 1.0;
     }
 
-    // What is expected: the density integrated over each cell, finely where it jumps.
-    let over_cell = |cell: usize, steps: usize| {
-        let fine =
-            |i: usize, k: usize, n: usize| (i as f64 + (k as f64 + 0.5) / steps as f64) / n as f64;
-        let (mut sum, mut least, mut most) = (0.0, f32::INFINITY, 0.0_f32);
-        for k in 0..steps * steps {
-            let z = 1.0 - 2.0 * fine(cell / COLUMNS, k / steps, ROWS);
-            let r = (1.0 - z * z).sqrt();
-            let (s, c) = (2.0 * PI * fine(cell % COLUMNS, k % steps, COLUMNS)).sin_cos();
-            let density = pdf(Vec3::new((r * c) as f32, (r * s) as f32, z as f32));
-            assert!(density >= 0.0 && density.is_finite(), "a density of {density}");
-            sum += f64::from(density);
-            (least, most) = (least.min(density), most.max(density));
-        }
-        let solid_angle = 4.0 * PI / (ROWS * COLUMNS) as f64;
-        (sum / (steps * steps) as f64 * solid_angle * SAMPLES as f64, most > 1.5 * least)
-    };
-    let mut expected: Vec<f64> = (0..ROWS * COLUMNS)
-        .map(|cell| match over_cell(cell, 12) {
-            (expected, false) if expected > 0.0 || counts[cell] == 0.0 => expected,
-            _ => over_cell(cell, 200).0,
+    // What is expected: the density integrated over each cell, finely where it changes.
+    let mut expected: Vec<f64> = (0..all)
+        .map(|i| {
+            let (chart, cell) = (&charts[i / Chart::CELLS], i % Chart::CELLS);
+            let coarse = chart.expected(cell, cuts, &pdf) * SAMPLES as f64;
+            // What was missed by all points.
+            let missed = coarse < 1.0 && counts[i] > 0.0;
+            if missed { chart.expected(cell, 16, &pdf) * SAMPLES as f64 } else { coarse }
         })
         .collect();
     let total: f64 = expected.iter().sum();

@@ -44,18 +44,20 @@ pub(super) const ENVIRONMENT: &[&str] = &["image", "color", "scale", "rotation_d
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
 pub(super) const EMISSION: &[&str] = &["radiance", "power", "two_sided"];
 pub(super) const SCATTERING: &[&str] = &["emission"];
-pub(super) const MATTE: &[&str] = &["albedo"];
+pub(super) const MATTE: &[&str] = &["albedo", "roughness"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
-pub(super) const CONDUCTOR: &[&str] = &["eta", "k"];
+pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
 pub(super) const DIELECTRIC: &[&str] = &[
     "ior",
     "exterior_ior",
+    "roughness",
     "sigma_a",
     "absorption_color",
     "absorption_distance",
     "fresnel",
     "priority",
 ];
+pub(super) const THIN_DIELECTRIC: &[&str] = &["ior", "color"];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 
 pub(super) const ANY_SHAPE: &[&str] =
@@ -90,6 +92,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a mirror", MIRROR),
     ("a conductor", CONDUCTOR),
     ("a dielectric", DIELECTRIC),
+    ("a thin dielectric", THIN_DIELECTRIC),
     ("a mix", MIX),
     ("[[shape]]", ANY_SHAPE),
     ("a sphere or disk", ROUND),

@@ -9,7 +9,7 @@ use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte,
-    Medium, Mirror, Mix,
+    Medium, Metal, Mirror, Mix, ThinDielectric,
 };
 use rutilant::scene::{MaterialId, Place};
 use std::collections::HashMap;
@@ -17,10 +17,12 @@ use std::collections::HashMap;
 #[derive(Clone, Copy)]
 enum Type {
     Black,
+    Null,
     Matte,
     Mirror,
     Conductor,
     Dielectric,
+    ThinDielectric,
     Mix,
     Emissive,
 }
@@ -30,9 +32,18 @@ const TYPES: &[(&str, Type)] = &[
     ("mirror", Type::Mirror),
     ("conductor", Type::Conductor),
     ("dielectric", Type::Dielectric),
+    ("thin-dielectric", Type::ThinDielectric),
     ("mix", Type::Mix),
     ("emissive", Type::Emissive),
     ("black", Type::Black),
+    ("null", Type::Null),
+];
+
+const METALS: &[(&str, Metal)] = &[
+    ("gold", Metal::Gold),
+    ("copper", Metal::Copper),
+    ("silver", Metal::Silver),
+    ("aluminium", Metal::Aluminium),
 ];
 
 const FRESNELS: &[(&str, Fresnel)] = &[("exact", Fresnel::Exact), ("schlick", Fresnel::Schlick)];
@@ -87,9 +98,16 @@ fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
             allow(&table.named("a black material"), &[])?;
             MaterialKind::Black
         }
+        Type::Null => {
+            allow(&table.named("a null material"), &[])?;
+            MaterialKind::Null
+        }
         Type::Matte => {
             allow(&table.named("a matte material"), keys::MATTE)?;
-            MaterialKind::Matte(Matte { albedo: table.or("albedo", Value::color, Rgb::grey(0.5))? })
+            MaterialKind::Matte(Matte {
+                albedo: table.or("albedo", Value::color, Rgb::grey(0.5))?,
+                roughness: roughness(table)?,
+            })
         }
         Type::Mirror => {
             allow(&table.named("a mirror"), keys::MIRROR)?;
@@ -99,13 +117,20 @@ fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
         Type::Conductor => {
             let table = table.named("a conductor");
             allow(&table, keys::CONDUCTOR)?;
-            let (eta, k) = (table.must("eta", Value::color)?, table.must("k", Value::color)?);
-            MaterialKind::Conductor(Conductor { eta, k })
+            MaterialKind::Conductor(conductor(&table)?)
         }
         Type::Dielectric => {
             let table = table.named("a dielectric");
             allow(&table, keys::DIELECTRIC)?;
             MaterialKind::Dielectric(dielectric(&table)?)
+        }
+        Type::ThinDielectric => {
+            let table = table.named("a thin dielectric");
+            allow(&table, keys::THIN_DIELECTRIC)?;
+            MaterialKind::ThinDielectric(ThinDielectric {
+                ior: table.or("ior", Value::number, GLASS)?,
+                color: table.or("color", Value::color, Rgb::WHITE)?,
+            })
         }
         Type::Mix => {
             let table = table.named("a mix");
@@ -133,6 +158,26 @@ fn emission(table: &Table<'_>) -> Result<Emission, SceneError> {
     Ok(Emission { light, two_sided: table.or("two_sided", Value::flag, false)? })
 }
 
+fn roughness(table: &Table<'_>) -> Result<f32, SceneError> {
+    table.or("roughness", Value::number, 0.0)
+}
+
+fn conductor(table: &Table<'_>) -> Result<Conductor, SceneError> {
+    let roughness = roughness(table)?;
+    match table.either(["metal", "eta"])? {
+        "metal" => {
+            if let Some(k) = table.get("k") {
+                return Err(k.invalid("give metal, or eta and k, not both"));
+            }
+            Ok(table.must("metal", |v| v.one_of("metal", METALS))?.conductor(roughness))
+        }
+        _ => {
+            let (eta, k) = (table.must("eta", Value::color)?, table.must("k", Value::color)?);
+            Ok(Conductor { eta, k, roughness })
+        }
+    }
+}
+
 fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
     let medium = |ior, absorption| Medium { ior, absorption };
     Ok(Dielectric {
@@ -143,6 +188,7 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
         ),
         fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
         priority: table.maybe("priority", Value::whole)?,
+        roughness: roughness(table)?,
     })
 }
 
