@@ -3,19 +3,35 @@
 //! MTL describes the shading of 1990: a diffuse and a specular colour and a
 //! number for the formula that joins them. What light does is taken from it:
 //!
-//! | in the file                                    | here                        |
-//! |------------------------------------------------|-----------------------------|
-//! | `Ke` not black                                 | also gives that radiance, on its front |
-//! | `d` below 1, or `illum` 4, 6, 7, 9             | dielectric of index `Ni` (1.5 where absent or up to 1), coloured `Tf` after 1 m |
-//! | `illum` 5, or 3 with bright `Ks` and dark `Kd` | mirror of reflectance `Ks`  |
-//! | everything else                                | matte of albedo `Kd` (0.8 where absent) |
+//! | in the file, the first line that fits        | here                        |
+//! |----------------------------------------------|-----------------------------|
+//! | `d` below 1, or `illum` 4, 6, 7, 9           | dielectric of index `Ni` (1.5 where absent or up to 1), coloured `Tf` after 1 m, rough by `Pr` |
+//! | `Pm` above 0                                 | metal of colour `Kd`, rough by `Pr`, over matte `Kd` |
+//! | `Pr`                                         | a gloss of Fresnel's part, rough by `Pr`, over matte `Kd` |
+//! | `illum` 5                                    | a mirror of `Ks` over matte `Kd` |
+//! | `illum` 3 or 8                               | the same, rough by `Ns` if that is given |
+//! | `Ks` and `Ns`, but for `illum` 0 and 1       | a gloss of `Ks`, rough by `Ns`, over matte `Kd` |
+//! | everything else                              | matte of albedo `Kd` (0.8 where absent) |
+//! | besides, `Ke` not black                      | also gives that radiance, on its front |
 //!
+//! "Over" is a mix in which the gloss has the share of the brightest channel of
+//! its colour. Where `Kd` and the gloss would send back more than they get, both
+//! are dimmed. With `Ni` above 1 and `Kd` not dark, the gloss of the last but
+//! one row is that of a varnish: `Ks` times what such an index reflects, as
+//! exporters that write `Ks 0.5` for everything mean it.
+//!
+//! `Ns` is the width of a highlight, never the share of a mirror: the α of a
+//! rough surface is √(2 / (Ns + 2)), and `roughness` the square root of that.
 //! `illum 4` alone is not believed where `Kd` is not dark, `d` is 1 and `Ni` is
 //! absent or up to 1: a widespread exporter writes so for every matte surface.
-//! `Ns` is the width of a highlight, never the share of a mirror. Textures and
-//! the physically based additions are left out, with a note.
+//! Textures, sheen, clear coats and anisotropy are left out, with a note.
 //!
-//! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995.
+//! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995;
+//! `Pr`, `Pm` and so on: Exocortex, *Extending Wavefront MTL to Support PBR*.
+//! α from Ns: Walter, Marschner, Li, Torrance, *Microfacet Models for
+//! Refraction through Rough Surfaces*, 2007, section 5.2.
+//! A metal's index from its colour: Gulbrandsen, *Artist Friendly Metallic
+//! Fresnel*, 2014, with white edges.
 
 use super::text::{Cursor, place, word_at};
 use crate::error::{SceneError, SceneErrorKind, Source};
@@ -23,14 +39,18 @@ use crate::file;
 use crate::limits::Limits;
 use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
-use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Mirror};
-use std::collections::{BTreeMap, HashSet};
+use rutilant::material::{
+    Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
+};
+use rutilant::scene::MaterialId;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
 /// What an MTL file holds.
 #[derive(Clone, Debug, Default)]
 pub struct Library {
-    /// Its materials, each name once.
+    /// Its materials, each name once. The parts of a mix follow it directly, without a name; the
+    /// mix counts them in this list.
     pub materials: Vec<Material>,
     /// What was left out or changed: one line each.
     pub notes: Vec<String>,
@@ -54,6 +74,8 @@ pub fn read_bytes(bytes: &[u8], path: &Path) -> Result<Library, SceneError> {
         path,
         cursor: Cursor::new(bytes),
         left_out: BTreeMap::new(),
+        textures: BTreeSet::new(),
+        first_texture: None,
         library: Library::default(),
         names: HashSet::new(),
         repeated: None,
@@ -75,6 +97,9 @@ struct Written {
     d: Option<f32>,
     tr: Option<f32>,
     illum: Option<f32>,
+    ns: Option<f32>,
+    pr: Option<f32>,
+    pm: Option<f32>,
 }
 
 struct Parser<'a> {
@@ -83,6 +108,9 @@ struct Parser<'a> {
     cursor: Cursor<'a>,
     /// Statements that nobody reads: how often, and where first.
     left_out: BTreeMap<&'a [u8], (u64, usize)>,
+    /// Textures: their statements, how many there are, and where and which the first is.
+    textures: BTreeSet<&'a [u8]>,
+    first_texture: Option<(u64, usize, String)>,
     library: Library,
     names: HashSet<String>,
     /// Materials that come again: how many, and where and which the first is.
@@ -92,9 +120,6 @@ struct Parser<'a> {
 /// A colour is dark when no channel is brighter than this. Exporters write small numbers where
 /// they mean none.
 const DARK: f32 = 0.05;
-
-/// A colour is bright when a channel is at least this.
-const BRIGHT: f32 = 0.5;
 
 /// The albedo of a matte material that states none: what modelling programs show then.
 const DEFAULT_ALBEDO: [f32; 3] = [0.8; 3];
@@ -139,6 +164,12 @@ impl<'a> Parser<'a> {
             let what = format!("materials that come again, left out: {count} (first {name})");
             self.note(first, &what);
         }
+        if let Some((count, first, name)) = self.first_texture.take() {
+            let kinds: Vec<_> = self.textures.iter().map(|keyword| decode(keyword)).collect();
+            let kinds = kinds.join(", ");
+            let what = format!("textures are not read yet: {count} ({kinds}; first {name})");
+            self.note(first, &what);
+        }
         for (keyword, (count, first)) in std::mem::take(&mut self.left_out) {
             let times = if count == 1 { String::new() } else { format!(", {count} times") };
             let keyword = if keyword.is_empty() { "…".to_owned() } else { quoted(keyword) };
@@ -170,12 +201,53 @@ impl<'a> Parser<'a> {
                 }
                 material.d = Some(self.number(keyword)?);
             }
-            // Ambient light is what a path tracer computes; highlights need a rough surface,
-            // which none of these materials has; sharpness is of reflection maps.
-            b"Ka" | b"Ns" | b"sharpness" => {}
+            b"Ns" => material.ns = Some(self.number(keyword)?),
+            b"Pr" => material.pr = Some(self.number(keyword)?),
+            b"Pm" => material.pm = Some(self.number(keyword)?),
+            // Exporters write these for every material; nought of them is nothing left out.
+            b"Ps" | b"Pc" | b"aniso" => {
+                if self.number(keyword)? != 0.0 {
+                    self.leave_out(keyword, at);
+                }
+            }
+            // Ambient light is what a path tracer computes; sharpness is of reflection maps; the
+            // others say how those above are, and `map_aat` how textures are smoothed.
+            b"Ka" | b"sharpness" | b"Pcr" | b"anisor" | b"map_aat" => {}
+            _ if is_texture(keyword) => self.texture(keyword, at),
             _ => self.leave_out(keyword, at),
         }
         Ok(())
+    }
+
+    /// Options and the name of a texture. Nobody uses them yet, so nothing in them is an error.
+    fn texture(&mut self, keyword: &'a [u8], at: usize) {
+        loop {
+            let mut option = self.cursor;
+            option.skip_blanks();
+            let Some(values) = texture_option(option.word()) else { break };
+            self.cursor = option;
+            for i in 0..values {
+                let mut value = self.cursor;
+                value.skip_blanks();
+                // Of three numbers, those behind the first may be absent.
+                if value.number().is_none() {
+                    if i > 0 {
+                        break;
+                    }
+                    value.word();
+                }
+                self.cursor = value;
+            }
+        }
+        let name = self.cursor.name();
+        // Some exporters write the statement where there is no texture.
+        if !name.is_empty() {
+            if self.textures.len() < MOST_LEFT_OUT {
+                self.textures.insert(keyword);
+            }
+            let first = || (0, at, quoted(name.as_bytes()));
+            self.first_texture.get_or_insert_with(first).0 += 1;
+        }
     }
 
     fn leave_out(&mut self, keyword: &'a [u8], at: usize) {
@@ -241,11 +313,7 @@ impl<'a> Parser<'a> {
             self.note(at, &format!("material {shown}: d {d} and Tr {tr} disagree; d counts"));
         }
         let illum = written.illum.unwrap_or(2.0);
-        let brightest = |color: Option<[f32; 3]>| match color {
-            Some([r, g, b]) => r.max(g).max(b),
-            None => 0.0,
-        };
-        let dark_kd = brightest(written.kd) <= DARK;
+        let dark_kd = written.kd.is_none_or(|kd| brightest(Rgb(kd)) <= DARK);
         let refracts = written.ni.is_some_and(|ni| ni > 1.0);
 
         let clear = dissolve < 1.0
@@ -254,26 +322,70 @@ impl<'a> Parser<'a> {
         if illum == 4.0 && !clear {
             self.note(at, &format!("material {shown}: illum 4 without d or Ni is taken as matte"));
         }
-        let mirrors = brightest(written.ks) > 0.0
-            && (illum == 5.0 || (illum == 3.0 && brightest(written.ks) >= BRIGHT && dark_kd));
-
-        let material: Material = if clear {
-            self.dielectric(&written, &shown).into()
-        } else if mirrors {
-            let ks = written.ks.unwrap_or_default();
-            Mirror { reflectance: self.clamped("Ks", ks, 0.0, 1.0, at, &shown) }.into()
+        let kind = if clear {
+            Surface::Plain(MaterialKind::Dielectric(self.dielectric(&written, &shown)))
         } else {
-            let kd = written.kd.unwrap_or(DEFAULT_ALBEDO);
-            Matte::new(self.clamped("Kd", kd, 0.0, 1.0, at, &shown)).into()
+            self.opaque(&written, dark_kd, &shown)
         };
-        let mut material = material.named(written.name);
-        if let Some(ke) = written.ke {
+        let emission = written.ke.and_then(|ke| {
             let radiance = self.clamped("Ke", ke, 0.0, f32::MAX, at, &shown);
-            if radiance != Rgb::BLACK {
-                material = material.emitting(Emission::radiance(radiance));
+            (radiance != Rgb::BLACK).then(|| Emission::radiance(radiance))
+        });
+        let materials = &mut self.library.materials;
+        let (kind, parts) = match kind {
+            Surface::Plain(kind) => (kind, None),
+            Surface::Over { below, gloss, share } => {
+                let next = materials.len() as u32 + 1;
+                let [first, second] = [MaterialId(next), MaterialId(next + 1)];
+                let mix = Mix { first, second, amount: share };
+                (MaterialKind::Mix(mix), Some([below, gloss]))
             }
+        };
+        materials.push(Material { emission, ..Material::new(kind).named(written.name) });
+        materials.extend(parts.into_iter().flatten().map(Material::new));
+    }
+
+    /// What light does not go through.
+    fn opaque(&mut self, written: &Written, dark_kd: bool, shown: &str) -> Surface {
+        let at = written.at;
+        let kd = written.kd.unwrap_or(DEFAULT_ALBEDO);
+        let albedo = self.clamped("Kd", kd, 0.0, 1.0, at, shown);
+        let rough = written.pr.map(|pr| self.in_unit("Pr", pr, at, shown));
+        let metal = written.pm.map_or(0.0, |pm| self.in_unit("Pm", pm, at, shown));
+        let below = || MaterialKind::Matte(Matte::new(albedo));
+
+        // The physically based additions say it in their own words.
+        if metal > 0.0 {
+            let gloss = gloss(albedo, rough.unwrap_or(DEFAULT_ROUGHNESS));
+            return match metal < 1.0 {
+                true => Surface::Over { below: below(), gloss, share: metal },
+                false => Surface::Plain(gloss),
+            };
         }
-        self.library.materials.push(material);
+        let fresnel = |ni: f32| ((ni - 1.0) / (ni + 1.0)) * ((ni - 1.0) / (ni + 1.0));
+        let refracting = written.ni.filter(|ni| *ni > 1.0).map(|ni| ni.min(LARGEST_IOR));
+        if let Some(rough) = rough {
+            let share = fresnel(refracting.unwrap_or(DEFAULT_IOR));
+            return over(albedo, Rgb::grey(share), rough);
+        }
+
+        let Some(ks) = written.ks else { return Surface::Plain(below()) };
+        let ks = self.clamped("Ks", ks, 0.0, 1.0, at, shown);
+        let width = written.ns.map(|ns| {
+            let alpha = (2.0 / (ns.max(0.0) + 2.0)).sqrt();
+            alpha.sqrt()
+        });
+        let illum = written.illum.unwrap_or(2.0);
+        if illum == 5.0 {
+            over(albedo, ks, 0.0)
+        } else if illum == 3.0 || illum == 8.0 {
+            over(albedo, ks, width.unwrap_or(0.0))
+        } else if let (Some(width), true) = (width, illum != 0.0 && illum != 1.0) {
+            let part = refracting.filter(|_| !dark_kd).map_or(1.0, fresnel);
+            over(albedo, Rgb(ks.0.map(|c| c * part)), width)
+        } else {
+            Surface::Plain(below())
+        }
     }
 
     fn dielectric(&mut self, written: &Written, shown: &str) -> Dielectric {
@@ -292,6 +404,9 @@ impl<'a> Parser<'a> {
             None => DEFAULT_IOR,
         };
         let mut dielectric = Dielectric::new(ior);
+        if let Some(pr) = written.pr {
+            dielectric.roughness = self.in_unit("Pr", pr, written.at, shown);
+        }
         if let Some(tf) = written.tf {
             let color = self.clamped("Tf", tf, f32::MIN_POSITIVE, 1.0, written.at, shown);
             if color != Rgb::WHITE {
@@ -300,6 +415,16 @@ impl<'a> Parser<'a> {
             }
         }
         dielectric
+    }
+
+    /// A number brought into 0 to 1, with a note if that changes it.
+    fn in_unit(&mut self, keyword: &str, number: f32, at: usize, shown: &str) -> f32 {
+        let clamped = number.clamp(0.0, 1.0);
+        if clamped != number {
+            let what = format!("material {shown}: {keyword} {number} is taken as {clamped}");
+            self.note(at, &what);
+        }
+        clamped
     }
 
     /// A colour with every channel in a range, and a note if that changes it.
@@ -340,4 +465,73 @@ impl<'a> Parser<'a> {
     fn invalid(&self, at: usize, what: String) -> SceneError {
         SceneError { at: place(self.path, self.bytes, at), kind: SceneErrorKind::Invalid(what) }
     }
+}
+
+/// How a material scatters.
+enum Surface {
+    Plain(MaterialKind),
+    /// A mix of two.
+    Over {
+        below: MaterialKind,
+        gloss: MaterialKind,
+        /// That of the gloss.
+        share: f32,
+    },
+}
+
+/// A gloss over a matte surface. Together they send back what they get at most, in all channels:
+/// where they would send back more, both are dimmed.
+fn over(albedo: Rgb, reflectance: Rgb, roughness: f32) -> Surface {
+    let (most_below, most_gloss) = (brightest(albedo), brightest(reflectance));
+    if most_gloss == 0.0 {
+        return Surface::Plain(MaterialKind::Matte(Matte::new(albedo)));
+    }
+    if most_below == 0.0 {
+        return Surface::Plain(gloss(reflectance, roughness));
+    }
+    let share = most_gloss / (most_below + most_gloss).max(1.0);
+    // What each has of its share: no channel of either is above 1.
+    let dimmed = |color: Rgb, by: f32| Rgb(color.0.map(|c| (c / by).min(1.0)));
+    let below = dimmed(albedo, (most_below + most_gloss).max(1.0) * (1.0 - share));
+    Surface::Over {
+        below: MaterialKind::Matte(Matte::new(below)),
+        gloss: gloss(dimmed(reflectance, most_gloss), roughness),
+        share,
+    }
+}
+
+/// What reflects a colour at normal incidence, sharply or not.
+fn gloss(reflectance: Rgb, roughness: f32) -> MaterialKind {
+    if roughness == 0.0 {
+        return MaterialKind::Mirror(Mirror { reflectance });
+    }
+    // Gulbrandsen 2014, with an edge tint of 1: n and k of which normal incidence gives r.
+    let eta = Rgb(reflectance.0.map(|r| (1.0 - r) / (1.0 + r)));
+    let k = Rgb(reflectance.0.map(|r| 2.0 * r.sqrt() / (1.0 + r)));
+    MaterialKind::Conductor(Conductor { eta, k, roughness })
+}
+
+/// The brightest channel.
+fn brightest(color: Rgb) -> f32 {
+    color.0.into_iter().fold(0.0, f32::max)
+}
+
+/// The roughness of a metal that states none.
+const DEFAULT_ROUGHNESS: f32 = 0.5;
+
+/// Whether a statement names a texture.
+fn is_texture(keyword: &[u8]) -> bool {
+    let has_prefix = keyword.get(..4).is_some_and(|head| head.eq_ignore_ascii_case(b"map_"));
+    has_prefix || [&b"bump"[..], b"disp", b"decal", b"refl", b"norm"].contains(&keyword)
+}
+
+/// How many values an option of a texture has at most; `None` for what is no option.
+fn texture_option(word: &[u8]) -> Option<u32> {
+    Some(match word {
+        b"-blendu" | b"-blendv" | b"-boost" | b"-cc" | b"-clamp" | b"-texres" | b"-imfchan"
+        | b"-type" | b"-bm" => 1,
+        b"-mm" => 2,
+        b"-o" | b"-s" | b"-t" => 3,
+        _ => return None,
+    })
 }

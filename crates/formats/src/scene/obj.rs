@@ -20,7 +20,8 @@ use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
 use crate::shown::{quoted, shown};
-use rutilant::material::Material;
+use rutilant::material::{Material, MaterialKind};
+use rutilant::scene::MaterialId;
 use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -32,7 +33,8 @@ pub struct ObjScene {
     /// The mesh of each material, in the order of their first faces, with the material's name;
     /// `None` for faces before the first `usemtl`.
     pub meshes: Vec<(Mesh, Option<String>)>,
-    /// The materials of all MTL files, with their names. Some meshes may name others.
+    /// The materials of all MTL files, with their names. Some meshes may name others. The parts
+    /// of a mix follow it, without a name; it counts them in this list.
     pub materials: Vec<Material>,
     /// What was left out or changed, for people: one line each.
     pub notes: Vec<String>,
@@ -483,9 +485,19 @@ impl Parsed<'_> {
         for path in paths {
             let library = mtl::read(&path, self.limits)?;
             self.scene.notes.extend(library.notes);
-            for material in library.materials {
-                // The first file that has a material of some name is the one that counts.
-                if known.insert(material.name.clone()) {
+            let mut wanted = false;
+            for mut material in library.materials {
+                // The first file that has a material of some name is the one that counts. What
+                // has no name is part of the mix before it.
+                wanted = match material.name.is_empty() {
+                    true => wanted,
+                    false => known.insert(material.name.clone()),
+                };
+                if wanted {
+                    let next = self.scene.materials.len() as u32 + 1;
+                    if let MaterialKind::Mix(mix) = &mut material.kind {
+                        (mix.first, mix.second) = (MaterialId(next), MaterialId(next + 1));
+                    }
                     self.scene.materials.push(material);
                 }
             }

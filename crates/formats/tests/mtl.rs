@@ -1,0 +1,297 @@
+//! MTL: what materials of several exporters become, worked out by hand; and no material at all.
+//!
+//! Single statements, notes and errors are in `obj.rs`.
+
+use rutilant::color::Rgb;
+use rutilant::material::{Absorption, EmittedLight, Material, MaterialKind};
+use rutilant::{Prepared, Session};
+use rutilant_formats::scene::mtl;
+use rutilant_formats::{Limits, ReadOptions, read_scene};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A line for each material, and one for each part of a mix.
+fn dump(materials: &[Material]) -> String {
+    let mut text = String::new();
+    for material in materials {
+        let name = if material.name.is_empty() { "  part" } else { &*material.name };
+        write!(text, "{name}: {}", kind(&material.kind)).expect("text");
+        if let Some(emission) = material.emission {
+            let EmittedLight::Radiance(radiance) = emission.light else { panic!("a power") };
+            assert!(!emission.two_sided);
+            write!(text, ", glows {}", color(radiance)).expect("text");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn kind(kind: &MaterialKind) -> String {
+    let rough = |roughness: f32| match roughness {
+        0.0 => String::new(),
+        _ => format!(", rough {}", number(roughness)),
+    };
+    match kind {
+        MaterialKind::Matte(matte) => {
+            format!("matte {}{}", color(matte.albedo), rough(matte.roughness))
+        }
+        MaterialKind::Mirror(mirror) => format!("mirror {}", color(mirror.reflectance)),
+        MaterialKind::Conductor(metal) => {
+            // Fresnel's equations at normal incidence: what is seen of the index.
+            let seen = std::array::from_fn(|c| {
+                let (n, k) = (metal.eta.0[c], metal.k.0[c]);
+                ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
+            });
+            format!("metal {}{}", color(Rgb(seen)), rough(metal.roughness))
+        }
+        MaterialKind::Dielectric(glass) => {
+            let tint = match glass.interior.absorption {
+                Absorption::None => String::new(),
+                Absorption::ColorAtDistance { color: tint, distance } => {
+                    format!(", {} after {} m", color(tint), number(distance))
+                }
+                Absorption::Coefficient(_) => panic!("no statement gives a coefficient"),
+            };
+            format!("glass {}{}{tint}", number(glass.interior.ior), rough(glass.roughness))
+        }
+        MaterialKind::Mix(mix) => format!("mix {}", number(mix.amount)),
+        other => format!("{other:?}"),
+    }
+}
+
+fn color(color: Rgb) -> String {
+    color.0.map(number).join(" ")
+}
+
+/// Three digits behind the point, without the zeros.
+fn number(number: f32) -> String {
+    let text = format!("{number:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A file, what it becomes, and what is said about it.
+const GOLDEN: &[(&str, &str, &[&str])] = &[
+    // Blender. Its Ks of 0.5 is its own default, and Ni that of a varnish, which reflects
+    // (0.45 / 2.45)² = 0.0337 of the light: half of that is 0.0169, and 0.8 / (1 - 0.0169) is
+    // 0.814. Ns 250: α = √(2 / 252) = 0.0891, whose root is 0.298. Metal is illum 3: with Kd 0.8
+    // and Ks 0.5 it would send back 1.3, so both are dimmed by that: a share of 0.5 / 1.3.
+    (
+        "# Blender 3.6\nnewmtl Material\nNs 250.000000\nKa 1.0 1.0 1.0\nKd 0.8 0.8 0.8\n\
+         Ks 0.5 0.5 0.5\nKe 0.0 0.0 0.0\nNi 1.450000\nd 1.000000\nillum 2\n\
+         newmtl Glass\nNs 1000\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNi 1.45\nd 0.2\nillum 9\n\
+         newmtl Metal\nNs 1000\nKa .9 .9 .9\nKd .8 .8 .8\nKs .5 .5 .5\nNi 1.45\nd 1\nillum 3\n\
+         newmtl Lamp\nKd .8\nKs .5\nKe 5 4 3\nNi 1.45\nillum 1\n",
+        "Material: mix 0.017\n  part: matte 0.814 0.814 0.814\n  part: metal 1 1 1, rough 0.298\n\
+         Glass: glass 1.45\n\
+         Metal: mix 0.385\n  part: matte 1 1 1\n  part: metal 1 1 1, rough 0.211\n\
+         Lamp: matte 0.8 0.8 0.8, glows 5 4 3\n",
+        &[],
+    ),
+    // The physically based additions. A metal reflects Kd; a half metal is a mix; where nothing
+    // is metal, Fresnel's 0.04 of index 1.5 lie over the rest, 0.6 / 0.96 = 0.625.
+    (
+        "newmtl gold\nKd 1 .77 .34\nPm 1\nPr .3\nPs 0\nPc 0\nPcr 0.03\naniso 0\nanisor 0\n\
+         newmtl worn\nKd .5\nPm .5\nPr .2\n\
+         newmtl plastic\nKd .2 .4 .6\nKs 1 1 1\nNs 10\nPm 0\nPr .4\nillum 2\n\
+         newmtl frosted\nKd .8\nPr .5\nNi 1.33\nTf .9 1 .9\nillum 7\n\
+         newmtl polished\nKd .9\nPm 1\nPr 0\n\
+         newmtl car\nKd .1 0 0\nPr .4\nPc 1\nPcr .1\nPs .3\nnorm -imfchan l flakes.png\n",
+        "gold: metal 1 0.77 0.34, rough 0.3\n\
+         worn: mix 0.5\n  part: matte 0.5 0.5 0.5\n  part: metal 0.5 0.5 0.5, rough 0.2\n\
+         plastic: mix 0.04\n  part: matte 0.208 0.417 0.625\n  part: metal 1 1 1, rough 0.4\n\
+         frosted: glass 1.33, rough 0.5, 0.9 1 0.9 after 1 m\n\
+         polished: mirror 0.9 0.9 0.9\n\
+         car: mix 0.04\n  part: matte 0.104 0 0\n  part: metal 1 1 1, rough 0.4\n",
+        &[
+            "a.mtl:37: textures are not read yet: 1 (norm; first \"flakes.png\")",
+            "a.mtl:34: \"Pc\" is not read",
+            "a.mtl:36: \"Ps\" is not read",
+        ],
+    ),
+    // A classic: mirror and glass by illum, a lamp by Ke; Ks without an index is meant as it is.
+    // 0.725 + 0.725 = 1.45: half and half. Ns 500: α = √(2 / 502) = 0.0631, its root 0.251.
+    (
+        "newmtl floor\nNs 10\nNi 1\nillum 2\nKa .725 .71 .68\nKd 0.725 0.71 0.68\nKs 0 0 0\n\
+         newmtl box\nNs 500\nNi 1\nillum 2\nKd 0.725 0.725 0.725\nKs 0.725 0.725 0.725\n\
+         newmtl left\nNs 1000\nNi 1.5\nillum 5\nKd 0 0 0\nKs .95 .95 .95\n\
+         newmtl right\nNs 200\nNi 1.5\nillum 7\nKd .01 .01 .01\nKs .95 .95 .95\nTf 1 1 1\n\
+         newmtl light\nKd .78\nKe 17 12 4\n",
+        "floor: matte 0.725 0.71 0.68\n\
+         box: mix 0.5\n  part: matte 1 1 1\n  part: metal 1 1 1, rough 0.251\n\
+         left: mirror 0.95 0.95 0.95\n\
+         right: glass 1.5\n\
+         light: matte 0.78 0.78 0.78, glows 17 12 4\n",
+        &[],
+    ),
+    // 3ds Max: tabs, blanks in names, Tr beside d, empty map statements, names with backslashes.
+    (
+        "newmtl _Material #25\n\tNs 32.0000\n\tNi 1.5000\n\td 1.0000\n\tTr 0.0000\n\
+         \tTf 1.0000 1.0000 1.0000 \n\tillum 2\n\tKa 0.588 0.588 0.588\n\tKd 0.588 0.588 0.588\n\
+         \tKs 0.0000 0.0000 0.0000\n\tKe 0.0000 0.0000 0.0000\n\tmap_Ka \n\
+         \tmap_Kd maps\\wood floor.jpg\n\tmap_bump -bm 0.3 -s 2 2 wood b.jpg\n\
+         \tbump wood b.jpg\n\trefl -type sphere -mm 0 1 clouds.mpc\n",
+        "_Material #25: matte 0.588 0.588 0.588\n",
+        &["a.mtl:13: textures are not read yet: 4 (bump, map_Kd, map_bump, refl; \
+           first \"maps\\\\wood floor.jpg\")"],
+    ),
+    // How light goes through: d and Tr are one thing, and illum another word for it.
+    (
+        "newmtl a\nd 0.99\nnewmtl b\nTr 0.01\nnewmtl c\nTr 0\nnewmtl d\nillum 6\nNi 2.4\n\
+         newmtl e\nillum 4\nKd 0 0 0\nnewmtl f\nd -halo 0.5\nTf 0.5\n",
+        "a: glass 1.5\nb: glass 1.5\nc: matte 0.8 0.8 0.8\nd: glass 2.4\ne: glass 1.5\n\
+         f: glass 1.5, 0.5 0.5 0.5 after 1 m\n",
+        &["a.mtl:14: \"d -halo\" is not read"],
+    ),
+    // Gloss by illum: none for 0 and 1, none without a width for 2, sharp for 5. A dark Kd is a
+    // metal's, whatever Ni. The gloss takes the share of its brightest channel, and has its
+    // colour of that.
+    (
+        "newmtl off\nillum 0\nKs 1\nNs 9\nKd .5\nnewmtl plain\nillum 1\nKs 1\nNs 9\nKd .5\n\
+         newmtl wide\nKs .4\nKd .5\n\
+         newmtl copper\nillum 2\nKd 0\nKs .9 .6 .3\nNs 14\nNi 1.5\n\
+         newmtl tinted\nillum 5\nKd .2 .4 .3\nKs .5 .25 0\nNs 14\n\
+         newmtl sharp\nillum 3\nKd .5\nKs .25\n\
+         newmtl eight\nillum 8\nKd 0\nKs .5\nNs 0\n",
+        "off: matte 0.5 0.5 0.5\nplain: matte 0.5 0.5 0.5\nwide: matte 0.5 0.5 0.5\n\
+         copper: metal 0.9 0.6 0.3, rough 0.595\n\
+         tinted: mix 0.5\n  part: matte 0.4 0.8 0.6\n  part: mirror 1 0.5 0\n\
+         sharp: mix 0.25\n  part: matte 0.667 0.667 0.667\n  part: mirror 1 1 1\n\
+         eight: metal 0.5 0.5 0.5, rough 1\n",
+        &[],
+    ),
+];
+
+#[test]
+fn materials_become_what_was_worked_out() {
+    for (text, expected, notes) in GOLDEN {
+        let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl"))
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(dump(&library.materials), *expected, "{text}");
+        assert_eq!(library.notes, *notes, "{text}");
+    }
+}
+
+/// No material sends back more than it gets, in any channel, whatever Kd and Ks are.
+#[test]
+fn nothing_sends_back_more_than_it_gets() {
+    let steps = [0.0_f32, 0.01, 0.3, 0.5, 0.8, 1.0];
+    for kd in steps {
+        for ks in steps {
+            for rest in
+                ["illum 5", "illum 3\nNs 20", "illum 2\nNs 5", "illum 2\nNs 5\nNi 1.5", "Pr .2"]
+            {
+                let text = format!("newmtl m\nKd {kd} 0.2 0.4\nKs {ks} 0.5 0.1\n{rest}\n");
+                let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl")).expect("read");
+                let [mixed, parts @ ..] = &*library.materials else { panic!("materials") };
+                let color_of = |material: &Material| match &material.kind {
+                    MaterialKind::Matte(matte) => matte.albedo.0,
+                    MaterialKind::Mirror(mirror) => mirror.reflectance.0,
+                    // That of a metal is at most 1 by Fresnel.
+                    _ => [1.0; 3],
+                };
+                if let (MaterialKind::Mix(mix), [below, gloss]) = (&mixed.kind, parts) {
+                    for channel in 0..3 {
+                        let sum = (1.0 - mix.amount) * color_of(below)[channel]
+                            + mix.amount * color_of(gloss)[channel];
+                        assert!(sum <= 1.000_001, "{text}: {sum}");
+                    }
+                    // And nothing was dimmed that need not be.
+                    let fits = kd.max(0.4) + ks.max(0.5) <= 1.0;
+                    if rest == "illum 5" && fits {
+                        let kept = color_of(below)[0] * (1.0 - mix.amount);
+                        assert!((kept - kd).abs() < 1e-6, "{text}: {kept}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The picture of an OBJ file of two materials, of which the second has no `usemtl` of its own.
+fn picture(obj: &str, shape: &str) -> u64 {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = format!(
+        "version = 1\nrender = {{ size = [24, 16], spp = 4 }}\n\
+         camera = {{ position = [0, 0, 4], look_at = [0, 0, 0] }}\n\
+         environment = {{ color = [0.5, 0.7, 0.9] }}\n\
+         [[material]]\nname = \"backup\"\ntype = \"matte\"\nalbedo = [0.25, 0.5, 0.75]\n\
+         [[shape]]\ntype = \"mesh\"\nfile = \"a.obj\"\n{shape}\n"
+    );
+    fs::write(folder.path().join("scene.toml"), scene).expect("a scene");
+    fs::write(folder.path().join("a.obj"), obj).expect("a mesh");
+    fs::write(
+        folder.path().join("a.mtl"),
+        "newmtl own\nKd 0.25 0.5 0.75\nillum 1\nnewmtl red\nKd 1 0 0\nillum 1\n",
+    )
+    .expect("materials");
+    let loaded = read_scene(&folder.path().join("scene.toml"), &ReadOptions::default())
+        .unwrap_or_else(|error| panic!("{error}"));
+    let prepared = Arc::new(Prepared::new(&loaded.scene).expect("a scene"));
+    let session = Session::start(prepared, loaded.settings, 1).expect("settings");
+    assert!(session.wait(Duration::from_secs(60)), "no end");
+    session.snapshot().hash()
+}
+
+/// A mesh without a material renders as its backup material, to the bit: as if the file had
+/// that material. The old program gave such meshes whatever the last one had.
+#[test]
+fn a_mesh_without_material_is_its_backup() {
+    const VERTICES: &str =
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1\nv 0 -1 1\nv -1 0 1\n";
+    let with =
+        |first: &str, second: &str| format!("{VERTICES}{first}f 1 2 3\nf 1 3 4\n{second}f 5 6 7\n");
+    let expected = picture(&with("mtllib a.mtl\nusemtl own\n", "usemtl red\n"), "");
+    for first in ["mtllib a.mtl\n", "mtllib a.mtl\nusemtl undeclared\n", "mtllib a.mtl\nusemtl\n"] {
+        let obj = with(first, "usemtl red\n");
+        assert_eq!(picture(&obj, "material = \"backup\""), expected, "{first}");
+    }
+    // Where the file speaks of no material at all.
+    let plain = with("", "");
+    let all_own = with("mtllib a.mtl\nusemtl own\n", "");
+    assert_eq!(picture(&plain, "material = \"backup\""), picture(&all_own, ""));
+    // A backup is for what has none: it changes nothing where the file has its own.
+    assert_eq!(picture(&all_own, "material = \"backup\""), picture(&all_own, ""));
+}
+
+/// What the MTL files of other people become, kinds counted by hand from the files.
+#[test]
+fn real_files_become_what_they_say() {
+    let Some(data) = std::env::var_os("RUTILANT_DATA") else {
+        eprintln!("skipped: RUTILANT_DATA names no folder with obj-mtl");
+        return;
+    };
+    for (file, expected) in REAL {
+        let path = Path::new(&data).join("obj-mtl").join(file);
+        let library = mtl::read(&path, &Limits::default()).unwrap_or_else(|e| panic!("{e}"));
+        let mut counts = [0; 5];
+        for material in library.materials.iter().filter(|m| !m.name.is_empty()) {
+            counts[match material.kind {
+                MaterialKind::Matte(_) => 0,
+                MaterialKind::Mirror(_) | MaterialKind::Conductor(_) => 1,
+                MaterialKind::Dielectric(_) => 2,
+                MaterialKind::Mix(_) => 3,
+                _ => panic!("{file}: {material:?}"),
+            }] += 1;
+            counts[4] += usize::from(material.emission.is_some());
+        }
+        assert_eq!(counts, *expected, "{file}: {}", dump(&library.materials));
+    }
+}
+
+/// Matte, mirrors and metals, glass, mixes; and how many of them glow.
+const REAL: &[(&str, [usize; 5])] = &[
+    ("cornell-mcguire/cornell_box.mtl", [8, 0, 0, 0, 1]),
+    ("cornell-mcguire/cornell_box_glossy.mtl", [6, 0, 0, 2, 2]),
+    ("cornell-mcguire/cornell_box_specular.mtl", [5, 0, 1, 2, 1]),
+    ("cornell-mcguire/cornell_box_water.mtl", [5, 0, 2, 2, 1]),
+    ("medieval-building/Medieval_building.mtl", [44, 0, 0, 18, 0]),
+    ("simple/cube.mtl", [0, 0, 0, 1, 0]),
+    ("simple/cube_multi.mtl", [6, 0, 0, 0, 0]),
+    ("simple/plane.mtl", [0, 0, 0, 1, 0]),
+    ("spider/spider.mtl", [5, 0, 0, 0, 0]),
+    ("sponza-dabrovic/sponza.mtl", [19, 0, 0, 0, 0]),
+    ("tinyobj-cornell/cornell_box.mtl", [5, 0, 0, 0, 0]),
+];
