@@ -237,6 +237,67 @@ impl Surfaces {
         })
     }
 
+    /// Every surface that the ray meets at the same place as `hit`, in no order to rely on: its
+    /// number, and whether the ray comes from its front. The same place means: between `before`
+    /// and `beyond`, points next to the hit on its two sides. `hit` itself is among them.
+    ///
+    /// Of surfaces that touch a ray meets just one, and the next ray starts beyond all of them:
+    /// this tells of the others.
+    pub fn at_the_same_place(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        [before, beyond]: [Vec3; 2],
+        mut met: impl FnMut(u32, bool),
+    ) {
+        // Where on the ray that is: generous, for the sides below decide. Of rays nearly in the
+        // surface no more is looked at than of those at a thousandth to it.
+        let speed = ray.direction.length();
+        let cos = (hit.normal.dot(ray.direction) / speed).abs().max(1e-3);
+        let reach = 2.0 * before.distance(beyond) / (cos * speed) + 4.0 * f32::EPSILON * hit.t;
+        let near = Ray {
+            t_min: (hit.t - reach).max(ray.t_min),
+            t_max: (hit.t + reach).next_up().min(ray.t_max),
+            ..*ray
+        };
+        let triangle_ray = TriangleRay::new(&near);
+        let direction = ray.direction.as_dvec3();
+        // How high the ends stand above the surface, and its normal.
+        let ends = [before.as_dvec3(), beyond.as_dvec3()];
+        let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
+        self.bvh.occluded(&near, |place| {
+            let surface = match self.leaves[place] {
+                Leaf::Triangle(indices) => {
+                    let corners = indices.map(|i| self.positions[i as usize]);
+                    let [a, b, c] = corners;
+                    let met = triangle_ray.intersect(a, b, c);
+                    met.map(|_| plane(a.as_dvec3(), triangle_normal(corners)))
+                }
+                Leaf::Sphere(i) => self.spheres[i as usize].intersect(&near).map(|t| {
+                    let Sphere { center, radius } = self.spheres[i as usize];
+                    let height = |e: DVec3| e.distance(center.as_dvec3()) - f64::from(radius);
+                    (ends.map(height), self.spheres[i as usize].surface_at(&near, t).1)
+                }),
+                Leaf::Disk(i) => {
+                    let disk = &self.disks[i as usize];
+                    let met = disk.intersect(&near);
+                    met.map(|_| plane(disk.center.as_dvec3(), disk.normal()))
+                }
+                Leaf::Custom(i) => {
+                    let met = self.customs[i as usize].intersect(&near);
+                    met.map(|hit| plane(hit.position, hit.normal))
+                }
+            };
+            // Both ends stand on it where it runs through the scene's origin, and no offset moves.
+            if let Some(([start, end], normal)) = surface
+                && start * end <= 0.0
+            {
+                met(self.bvh.order()[place], normal.dot(direction) < 0.0);
+            }
+            false
+        });
+    }
+
     /// Meets a custom shape, and keeps what it said if that is nearer than `nearest`. Apart, so
     /// that the loops over the common surfaces stay tight.
     #[cold]

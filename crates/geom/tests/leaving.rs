@@ -170,3 +170,52 @@ fn a_ray_never_slips_through_the_mesh_it_leaves() {
         });
     }
 }
+
+/// Of surfaces that touch a ray meets one, and is told of the others: the same triangle turned
+/// round or shared by a larger one, at any scale and through the scene's origin; but not of one
+/// that lies apart by more than the next ray's origin is moved.
+#[test]
+fn surfaces_that_touch_are_told_of() {
+    let found: usize = (0..100_000_u64)
+        .into_par_iter()
+        .map(|i| {
+            let random = &mut Random(i << 20);
+            let size = random.size(-3, 3);
+            // Every fourth lies in a plane through the scene's origin.
+            let (axis, flat) = (random.below(3), i % 4 == 0);
+            let mut far = random.point() * size * random.size(-3, 2);
+            let mut side = || random.point() * size;
+            let (mut u, mut v) = (side(), side());
+            if flat {
+                (far[axis], u[axis], v[axis]) = (0.0, 0.0, 0.0);
+            }
+            let [a, b, c] = [far, far + u, far + v];
+            let normal = u.cross(v).normalize_or_zero();
+            // Apart by a hundred times what numbers of this size may lose.
+            let lift = normal * 1e-5 * far.abs().max_element().max(size);
+            let positions = vec![a, b, c, a + lift, b + lift, c + lift];
+            let triangles = vec![[0, 1, 2], [2, 1, 0], [3, 4, 5]];
+            let options = BuildOptions::default();
+            let scene = Surfaces::new(positions, triangles, vec![], vec![], &options);
+            let target = (a + b + c) / 3.0;
+            let way = random.direction() * size * 3.0;
+            // From behind, so that the lifted one is met last; and not nearly in the surface.
+            let way = if way.dot(normal) < 0.0 { -way } else { way };
+            if way.normalize().dot(normal) < 0.05 {
+                return 0;
+            }
+            let ray = Ray::new(target - way, way);
+            let Some(hit) = scene.closest(&ray) else { return 0 };
+            assert!(hit.primitive < 2, "{i}: {hit:?}");
+            let ends = [-way, way].map(|way| offset_origin(hit.position, hit.normal, way));
+            let mut met = vec![];
+            scene.at_the_same_place(&ray, &hit, ends, |primitive, front| {
+                met.push((primitive, front))
+            });
+            met.sort_unstable();
+            assert_eq!(met, [(0, false), (1, true)], "{i}: {a} {b} {c} {hit:?}");
+            1
+        })
+        .sum();
+    assert!(found > 50_000, "only {found} tried");
+}

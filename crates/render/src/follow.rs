@@ -37,6 +37,8 @@ pub(crate) struct Met<'s> {
     pub(crate) hit: Hit,
     pub(crate) at: SurfaceInteraction,
     pub(crate) material: Cow<'s, PreparedMaterial>,
+    /// What a ray is inside of that goes through, where that is more than the border's far side.
+    beyond: Option<Media>,
 }
 
 /// After so many surfaces that it passes a ray is given up as black: only shapes that
@@ -66,7 +68,8 @@ pub(crate) fn follow<'s>(
         media.absorption = border.absorption(at.wo_local().z > 0.0);
     }
     let through = transmittance(media.absorption, hit.t);
-    Way { through, passed: false, met: Some(Met { hit, at, material: Cow::Borrowed(material) }) }
+    let material = Cow::Borrowed(material);
+    Way { through, passed: false, met: Some(Met { hit, at, material, beyond: None }) }
 }
 
 /// The same from the first surface on, whatever it is. Apart, so that the common way stays short.
@@ -90,24 +93,35 @@ fn follow_through<'s>(
             ray.t_min = hit.t.next_up();
         } else {
             let from_front = at.wo_local().z > 0.0;
-            let here = material.border.map(|border| scene.arrive(media, &border, from_front));
-            through *= transmittance(media.absorption, hit.t);
-            let (Some(border), Some(here)) = (material.border, here) else {
+            let ranked = material.border.and_then(|b| b.rank.map(|rank| (b, rank)));
+            let Some((border, rank)) = ranked else {
+                if let Some(border) = &material.border {
+                    media.absorption = border.absorption(from_front);
+                }
+                through *= transmittance(media.absorption, hit.t);
                 let material = scene.material_at(&hit, material);
-                return Way { through, passed, met: Some(Met { hit, at, material }) };
+                return Way { through, passed, met: Some(Met { hit, at, material, beyond: None }) };
             };
-            if border.rank.is_none() || here.interior.ior != here.exterior.ior {
-                let material = match border.rank {
-                    None => Cow::Borrowed(material),
-                    Some(_) => Cow::Owned(material.between(here)),
-                };
-                return Way { through, passed, met: Some(Met { hit, at, material }) };
+
+            // What fills the place on both sides.
+            let across = |direction| offset_origin(at.position, at.normal, direction);
+            let ends = [across(at.wo), across(-at.wo)];
+            let also = |media: &mut Media| {
+                scene.each_that_touches(ray, &hit, ends, |rank, front| media.pass(rank, front));
+            };
+            let table = scene.ranked_media();
+            let (here, beyond) = media.arrive(&border, rank, from_front, also, table);
+            through *= transmittance(media.absorption, hit.t);
+            if here.interior.ior != here.exterior.ior {
+                let material = Cow::Owned(material.between(here));
+                let met = Met { hit, at, material, beyond: Some(beyond) };
+                return Way { through, passed, met: Some(met) };
             }
 
             // No border here: straight on.
-            media.cross(&here, from_front);
+            *media = beyond;
             passed = true;
-            *ray = Ray::new(offset_origin(at.position, at.normal, -at.wo), ray.direction);
+            *ray = Ray::new(ends[1], ray.direction);
         }
         *rays += 1;
         let Some(next) = scene.closest(ray) else {
@@ -133,8 +147,12 @@ impl Met<'_> {
 
     /// Notes in `media` that a scattered ray has gone through the surface.
     pub(crate) fn cross(&self, media: &mut Media) {
-        if let Some(border) = &self.material.border {
-            media.cross(border, self.at.wo_local().z > 0.0);
+        match (&self.beyond, &self.material.border) {
+            (Some(beyond), _) => *media = *beyond,
+            (None, Some(border)) => {
+                media.absorption = border.absorption(self.at.wo_local().z < 0.0);
+            }
+            (None, None) => {}
         }
     }
 }

@@ -9,7 +9,8 @@
 //!
 //! Surfaces without a priority take no part: they declare what is on both sides.
 //! Bodies must be closed; one that is left without having been entered is taken
-//! to have been entered unseen.
+//! to have been entered unseen. Surfaces nearer to each other than a ray's origin
+//! is moved off them count as one, so bodies may touch as well as overlap.
 //!
 //! Source: Schmidt and Budge, "Simple Nested Dielectrics in Ray Traced Images",
 //! JGT 7(2), 2002.
@@ -73,49 +74,54 @@ impl Media {
         count: 0,
     };
 
-    /// Notes that the ray has come through the medium in front of `border`, or behind it, and
-    /// gives the border as it is here: with the strongest media on both sides. Where those have
-    /// the same index there is no border. `table` has the media by rank.
+    /// Notes that the ray has come to `border`, of this rank, and gives it as it is here, with the
+    /// strongest media on both sides, and what the ray is inside of if it goes on beyond. Where
+    /// both sides have the same index there is no border.
+    ///
+    /// `also` passes the surfaces at the very same place; `table` has the media by rank.
     pub(crate) fn arrive(
         &mut self,
         border: &Border,
+        rank: u32,
         from_front: bool,
+        also: impl FnOnce(&mut Self),
         table: &[PreparedMedium],
-    ) -> Border {
-        let here = match border.rank {
-            None => *border,
-            Some(rank) => {
-                if !from_front && !self.inside[..self.count].iter().any(|i| i.rank == rank) {
-                    self.enter(rank);
-                }
-                // The strongest as if there were none of this body, and as if there were.
-                let besides = |i: &&Inside| i.rank != rank || i.times > 1 || from_front;
-                let without = self.inside[..self.count].iter().find(besides).map(|i| i.rank);
-                let with = without.map_or(rank, |other| other.min(rank));
-                let medium = |rank: u32| table[rank as usize];
-                Border {
-                    interior: medium(with),
-                    exterior: without.map_or(border.exterior, medium),
-                    rank: Some(rank),
-                }
-            }
-        };
-        self.absorption = here.absorption(from_front);
-        here
+    ) -> (Border, Self) {
+        if !from_front && !self.inside[..self.count].iter().any(|i| i.rank == rank) {
+            self.enter(rank);
+        }
+        let mut beyond = *self;
+        beyond.pass(rank, from_front);
+        also(&mut beyond);
+        let near = self.fill(&border.exterior, table);
+        let far = beyond.fill(&border.exterior, table);
+        let (exterior, interior) = if from_front { (near, far) } else { (far, near) };
+        (Border { interior, exterior, rank: Some(rank) }, beyond)
     }
 
-    /// Notes that the ray has crossed a border, given as it is at this place.
-    pub(crate) fn cross(&mut self, here: &Border, from_front: bool) {
-        self.absorption = here.absorption(!from_front);
-        match here.rank {
-            None => {}
-            Some(rank) if from_front => self.enter(rank),
-            Some(rank) => self.leave(rank),
+    /// Finds what fills the place: the strongest medium, and `outside` where there is none.
+    pub(crate) fn fill(
+        &mut self,
+        outside: &PreparedMedium,
+        table: &[PreparedMedium],
+    ) -> PreparedMedium {
+        let strongest = self.inside[..self.count].first();
+        let medium = strongest.map_or(*outside, |i| table[i.rank as usize]);
+        self.absorption = medium.absorption;
+        medium
+    }
+
+    /// Goes into a body of this medium by its front, or out of one.
+    pub(crate) fn pass(&mut self, rank: u32, from_front: bool) {
+        if from_front {
+            self.enter(rank);
+        } else {
+            self.leave(rank);
         }
     }
 
     /// Notes one body more of this medium.
-    pub(crate) fn enter(&mut self, rank: u32) {
+    fn enter(&mut self, rank: u32) {
         let at = self.inside[..self.count].partition_point(|i| i.rank < rank);
         match self.inside[..self.count].get_mut(at) {
             Some(known) if known.rank == rank => known.times = known.times.saturating_add(1),
@@ -156,8 +162,8 @@ mod tests {
         let table: Vec<_> = (0..99).map(|rank| medium(2.0 + rank as f32)).collect();
         let border =
             Border { interior: table[rank as usize], exterior: medium(1.0), rank: Some(rank) };
-        let here = media.arrive(&border, entering, &table);
-        media.cross(&here, entering);
+        let (here, beyond) = media.arrive(&border, rank, entering, |_| {}, &table);
+        *media = beyond;
         let around =
             media.inside[..media.count].first().map_or(1.0, |i| table[i.rank as usize].ior);
         assert_eq!(media.absorption, Spectrum::splat(around), "rank {rank}");
@@ -179,6 +185,21 @@ mod tests {
         assert_eq!(through(media, 1, true), [3.0, 3.0]);
         assert_eq!(through(media, 1, false), [3.0, 3.0]);
         assert_eq!(through(media, 1, false), [1.0, 3.0]);
+    }
+
+    /// Out of glass and into the water that touches it, at one place: glass meets water there,
+    /// and two bodies of one medium do not meet at all.
+    #[test]
+    fn bodies_that_touch_meet_each_other() {
+        let table: Vec<_> = (0..2).map(|rank| medium(2.0 + rank as f32)).collect();
+        let border = Border { interior: table[0], exterior: medium(1.0), rank: Some(0) };
+        for (other, expected) in [(1, 3.0), (0, 2.0)] {
+            let mut media = Media::NONE;
+            media.enter(0);
+            let (here, beyond) = media.arrive(&border, 0, false, |m| m.pass(other, true), &table);
+            assert_eq!([here.interior.ior, here.exterior.ior], [2.0, expected]);
+            assert_eq!(beyond.absorption, Spectrum::splat(expected));
+        }
     }
 
     /// What is left without having been entered is believed to have been around; nothing is left

@@ -122,9 +122,14 @@ impl From<Bsdf> for PreparedMaterial {
 }
 
 impl PreparedMaterial {
+    /// The number of its medium among those with a priority.
+    fn rank(&self) -> Option<u32> {
+        self.border.and_then(|b| b.rank)
+    }
+
     /// True where more than the material decides what the surface does to light.
     pub(crate) fn depends_on_place(&self) -> bool {
-        self.custom.is_some() || self.passes || self.border.is_some_and(|b| b.rank.is_some())
+        self.custom.is_some() || self.passes || self.rank().is_some()
     }
 
     /// The same as a border between the media that it lies between at some place.
@@ -268,26 +273,66 @@ impl Prepared {
             if let Some(border) = &self.materials[self.object(&hit).material as usize].border {
                 let from_front = hit.normal.dot(ray.direction) < 0.0;
                 first = first.or(Some((*border, from_front)));
-                if let Some(rank) = border.rank {
-                    let entered = entered.entry(rank).or_default();
-                    match (from_front, *entered) {
-                        (true, _) => *entered += 1,
-                        (false, 0) => media.enter(rank),
-                        (false, _) => *entered -= 1,
-                    }
-                }
             }
-            ray.origin = offset_origin(hit.position, hit.normal, ray.direction);
+            let across = |direction| offset_origin(hit.position, hit.normal, direction);
+            let ends = [across(-ray.direction), across(ray.direction)];
+            // How often it is entered and left between here and there.
+            let mut note = |rank: u32, from_front: bool| {
+                let entered = entered.entry(rank).or_default();
+                match (from_front, *entered) {
+                    (true, _) => *entered += 1,
+                    (false, 0) => media.pass(rank, true),
+                    (false, _) => *entered -= 1,
+                }
+            };
+            if let Some(rank) = self.materials[self.object(&hit).material as usize].rank() {
+                note(rank, hit.normal.dot(ray.direction) < 0.0);
+                self.each_that_touches(&ray, &hit, ends, note);
+            }
+            ray.origin = ends[1];
         }
-        if let Some((border, from_front)) = first {
-            self.arrive(&mut media, &border, from_front);
+        match first {
+            None => {}
+            Some((Border { rank: Some(_), exterior, .. }, _)) => {
+                media.fill(&exterior, self.ranked_media());
+            }
+            Some((border, from_front)) => media.absorption = border.absorption(from_front),
         }
         media
     }
 
-    /// See [`Media::arrive`].
-    pub(crate) fn arrive(&self, media: &mut Media, border: &Border, from_front: bool) -> Border {
-        media.arrive(border, from_front, &self.ranked_media)
+    /// The media with a priority, the strongest first.
+    pub(crate) fn ranked_media(&self) -> &[PreparedMedium] {
+        &self.ranked_media
+    }
+
+    /// The ranks of all bodies with a priority whose surfaces touch the one that was hit, that is,
+    /// lie between `ends` as well; and whether the ray comes from their fronts. Each object counts
+    /// once from each side, for a ray may run through an edge of two triangles; the object that
+    /// was hit is left out.
+    pub(crate) fn each_that_touches(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        ends: [Vec3; 2],
+        mut touches: impl FnMut(u32, bool),
+    ) {
+        let object_of = |primitive: u32| self.object_of_primitive[primitive as usize];
+        // More objects than this do not touch at one place.
+        let mut known = [(object_of(hit.primitive), None); 2 * Media::MOST];
+        let mut count = 1;
+        self.surfaces.at_the_same_place(ray, hit, ends, |primitive, from_front| {
+            let object = object_of(primitive);
+            let material = self.objects[object as usize].material;
+            let Some(rank) = self.materials[material as usize].rank() else { return };
+            let side = Some(from_front);
+            let counted = |k: &(u32, Option<bool>)| k.0 == object && (k.1.is_none() || k.1 == side);
+            if count < known.len() && !known[..count].iter().any(counted) {
+                known[count] = (object, side);
+                count += 1;
+                touches(rank, from_front);
+            }
+        });
     }
 
     /// The material of a surface, as far as it is the same everywhere.

@@ -364,3 +364,33 @@ fn the_focus_goes_through_overlapping_media() {
     assert!((focus.path_length - 5.0).abs() < 1e-5);
     assert_eq!(focus.bounces, 3);
 }
+
+/// Bodies that touch face to face, instead of overlapping, meet each other and nothing else: two
+/// halves of glass are one block, and water stands against glass, in whichever order they are
+/// listed. Only one of two coincident faces can be hit; the other must not be forgotten, or the
+/// path believes itself in water for ever after.
+#[test]
+fn bodies_that_touch_meet_each_other() {
+    let layers = [(1.5, 0.8, 0.4), (1.33, 2.0, 0.6)];
+    type Put = fn(&mut Scene);
+    let front: Put = |s| slab(s, 0.2, 0.4, medium(1.5, 0.8, 7));
+    let back: Put = |s| slab(s, 0.0, 0.2, medium(1.5, 0.8, 3));
+    let water: Put = |s| slab(s, -0.6, 0.0, medium(1.33, 2.0, 5));
+    let orders = [[front, back, water], [water, back, front], [back, water, front]];
+    for order in orders {
+        for from_behind in [false, true] {
+            let (eye, lamp_at) = if from_behind { (-4.0, 2.0) } else { (3.0, -3.0) };
+            let mut scene = seen_from(Vec3::new(0.3, 0.1, eye), Vec3::new(0.3, 0.1, 0.0), 1e-3);
+            order.iter().for_each(|put| put(&mut scene));
+            let glow = Emission { two_sided: true, ..Emission::radiance(Rgb::WHITE) };
+            let lamp = scene.add_material(glow);
+            put(&mut scene, Shape::Rectangle { size: Vec2::splat(4.0) }, lamp, Vec3::Z * lamp_at);
+            let (mean, error) = mean(&render(&scene, small(1024)), "G");
+            let expected = stack(&layers);
+            assert!(
+                (mean - expected).abs() < 4.0 * error + 1e-3 * expected,
+                "{mean} ± {error}, expected {expected}"
+            );
+        }
+    }
+}
