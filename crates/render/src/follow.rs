@@ -8,7 +8,7 @@
 
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
-use crate::medium::{Border, Media};
+use crate::medium::Media;
 use crate::prepare::{Prepared, PreparedMaterial};
 use rutilant_geom::{Hit, Ray, offset_origin, real};
 use std::borrow::Cow;
@@ -63,9 +63,8 @@ pub(crate) fn follow<'s>(
     if material.depends_on_place() {
         return follow_through(scene, hit, at, ray, media, rays, glowing);
     }
-    // A border knows what is on the side we come from.
     if let Some(border) = &material.border {
-        media.absorption = border.absorption(at.wo_local().z > 0.0);
+        media.arrive_declared(border, at.wo_local().z > 0.0);
     }
     let through = transmittance(media.absorption, hit.t);
     let material = Cow::Borrowed(material);
@@ -96,7 +95,7 @@ fn follow_through<'s>(
             let ranked = material.border.and_then(|b| b.rank.map(|rank| (b, rank)));
             let Some((border, rank)) = ranked else {
                 if let Some(border) = &material.border {
-                    media.absorption = border.absorption(from_front);
+                    media.arrive_declared(border, from_front);
                 }
                 through *= transmittance(media.absorption, hit.t);
                 let material = scene.material_at(&hit, material);
@@ -141,17 +140,18 @@ fn to_the_sky<'s>(media: &Media) -> Way<'s> {
 impl Met<'_> {
     /// What is absorbed on the other side of the surface, in 1/m.
     pub(crate) fn absorption_beyond(&self, media: &Media) -> Spectrum {
-        let beyond = |border: &Border| border.absorption(self.at.wo_local().z < 0.0);
-        self.material.border.as_ref().map_or(media.absorption, beyond)
+        match (&self.beyond, &self.material.border) {
+            (Some(beyond), _) => beyond.absorption,
+            (None, Some(border)) => media.beyond_declared(border, self.at.wo_local().z > 0.0),
+            (None, None) => media.absorption,
+        }
     }
 
     /// Notes in `media` that a scattered ray has gone through the surface.
     pub(crate) fn cross(&self, media: &mut Media) {
         match (&self.beyond, &self.material.border) {
             (Some(beyond), _) => *media = *beyond,
-            (None, Some(border)) => {
-                media.absorption = border.absorption(self.at.wo_local().z < 0.0);
-            }
+            (None, Some(border)) => media.pass_declared(border, self.at.wo_local().z > 0.0),
             (None, None) => {}
         }
     }

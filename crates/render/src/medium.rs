@@ -7,7 +7,8 @@
 //! nothing, and the ray goes straight on. No pair of indices has to be declared,
 //! so none can be wrong.
 //!
-//! Surfaces without a priority take no part: they declare what is on both sides.
+//! Surfaces without a priority take no part: they declare the indices on both
+//! sides. What is around them absorbs as it did before they were entered.
 //! Bodies must be closed; one that is left without having been entered is taken
 //! to have been entered unseen. Surfaces nearer to each other than a ray's origin
 //! is moved off them count as one, so bodies may touch as well as overlap.
@@ -53,6 +54,11 @@ pub(crate) struct Media {
     inside: [Inside; Self::MOST],
     /// How many of these there are.
     count: usize,
+    /// What absorbs around each medium without a priority that the ray is inside of, the
+    /// outermost first.
+    around: [Spectrum; Self::MOST_DECLARED],
+    /// How many of these there are.
+    declared: usize,
 }
 
 /// A medium that a ray is inside of.
@@ -67,12 +73,52 @@ impl Media {
     /// So many media with a priority can overlap at one point; of more, the weakest are overlooked.
     pub(crate) const MOST: usize = 8;
 
+    /// So many media without a priority can lie in each other; of more, the outermost is forgotten.
+    const MOST_DECLARED: usize = 4;
+
     /// Inside of nothing.
     pub(crate) const NONE: Self = Self {
         absorption: Spectrum::BLACK,
         inside: [Inside { rank: 0, times: 0 }; Self::MOST],
         count: 0,
+        around: [Spectrum::BLACK; Self::MOST_DECLARED],
+        declared: 0,
     };
+
+    /// Notes that the ray has come to a border without a priority. It knows what is behind it, and
+    /// what is in front of it if it says that something absorbs there.
+    #[inline(always)]
+    pub(crate) fn arrive_declared(&mut self, border: &Border, from_front: bool) {
+        let known = border.absorption(from_front);
+        if !(from_front && known.is_black()) {
+            self.absorption = known;
+        }
+    }
+
+    /// Goes through a border without a priority.
+    pub(crate) fn pass_declared(&mut self, border: &Border, from_front: bool) {
+        let beyond = self.beyond_declared(border, from_front);
+        if from_front {
+            if self.declared == Self::MOST_DECLARED {
+                self.around.copy_within(1.., 0);
+                self.declared -= 1;
+            }
+            self.around[self.declared] = self.absorption;
+            self.declared += 1;
+        } else {
+            self.declared = self.declared.saturating_sub(1);
+        }
+        self.absorption = beyond;
+    }
+
+    /// What absorbs behind a border without a priority, or in front of it.
+    pub(crate) fn beyond_declared(&self, border: &Border, from_front: bool) -> Spectrum {
+        let known = border.absorption(!from_front);
+        match self.around[..self.declared].last() {
+            Some(around) if !from_front && known.is_black() => *around,
+            _ => known,
+        }
+    }
 
     /// Notes that the ray has come to `border`, of this rank, and gives it as it is here, with the
     /// strongest media on both sides, and what the ray is inside of if it goes on beyond. Where

@@ -259,23 +259,34 @@ impl Prepared {
         self.light_beyond_sampling
     }
 
-    /// What the ray's origin is inside of, seen through everything on its way. The bodies that it
-    /// leaves more often than it enters them are around the origin; the first border has the last
-    /// word on what absorbs there, for it tells the media without a priority as well. Nothing
-    /// absorbs where there is no border.
+    /// What the ray's origin is inside of, seen through everything on its way: the bodies that it
+    /// leaves more often than it enters them. The first border has the last word on what absorbs.
     fn media_at(&self, mut ray: Ray) -> Media {
         /// Behind so many surfaces nothing is looked for any more.
         const SURFACES: usize = 1000;
         let (mut media, mut first) = (Media::NONE, None);
         let mut entered = BTreeMap::<u32, u32>::new();
+        // Without a priority: how often each material was entered, and what is left by its back
+        // without having been entered, the innermost first.
+        let (mut entered_declared, mut around) = (BTreeMap::<u32, u32>::new(), Vec::new());
         for _ in 0..SURFACES {
             let Some(hit) = self.closest(&ray) else { break };
-            if let Some(border) = &self.materials[self.object(&hit).material as usize].border {
-                let from_front = hit.normal.dot(ray.direction) < 0.0;
-                first = first.or(Some((*border, from_front)));
-            }
+            let number = self.object(&hit).material;
+            let material = &self.materials[number as usize];
+            let from_front = hit.normal.dot(ray.direction) < 0.0;
             let across = |direction| offset_origin(hit.position, hit.normal, direction);
             let ends = [across(-ray.direction), across(ray.direction)];
+            if let Some(border) = material.border {
+                first = first.or(Some((border, from_front)));
+                if border.rank.is_none() {
+                    let entered = entered_declared.entry(number).or_default();
+                    match (from_front, *entered) {
+                        (true, _) => *entered += 1,
+                        (false, 0) => around.push(border),
+                        (false, _) => *entered -= 1,
+                    }
+                }
+            }
             // How often it is entered and left between here and there.
             let mut note = |rank: u32, from_front: bool| {
                 let entered = entered.entry(rank).or_default();
@@ -285,18 +296,22 @@ impl Prepared {
                     (false, _) => *entered -= 1,
                 }
             };
-            if let Some(rank) = self.materials[self.object(&hit).material as usize].rank() {
-                note(rank, hit.normal.dot(ray.direction) < 0.0);
+            if let Some(rank) = material.rank() {
+                note(rank, from_front);
                 self.each_that_touches(&ray, &hit, ends, note);
             }
             ray.origin = ends[1];
+        }
+        for border in around.iter().rev() {
+            media.arrive_declared(border, true);
+            media.pass_declared(border, true);
         }
         match first {
             None => {}
             Some((Border { rank: Some(_), exterior, .. }, _)) => {
                 media.fill(&exterior, self.ranked_media());
             }
-            Some((border, from_front)) => media.absorption = border.absorption(from_front),
+            Some((border, from_front)) => media.arrive_declared(&border, from_front),
         }
         media
     }

@@ -394,3 +394,80 @@ fn bodies_that_touch_meet_each_other() {
         }
     }
 }
+
+/// Without a priority a border declares the indices on its sides; what absorbs around it is what
+/// absorbed before it was met. A hollow in coloured glass, clear glass in coloured water, and a
+/// camera in such a hollow: no layer loses its colour in front of what lies in it. All indices are
+/// 1 here, so that what is left is e to the metres of colour.
+#[test]
+fn what_lies_in_a_coloured_medium_leaves_it_its_colour() {
+    let clear = |sigma: f32| {
+        let absorption = Absorption::Coefficient(Rgb::grey(sigma));
+        Dielectric { interior: Medium { ior: 1.0, absorption }, ..Dielectric::new(1.0) }
+    };
+    // Where the slabs are, what each absorbs, where the eye is, how thick all the colour is.
+    let cases: [(&str, &[(f32, f32, f32)], f32, f64); 5] = [
+        ("coloured", &[(-1.0, 1.0, 1.0)], 3.0, 2.0),
+        ("a hollow", &[(-1.0, 1.0, 1.0), (-0.5, 0.5, 0.0)], 3.0, 1.0),
+        (
+            "two, one in the other",
+            &[(-1.0, 1.0, 1.0), (-0.6, 0.6, 0.5), (-0.2, 0.2, 0.0)],
+            3.0,
+            1.2,
+        ),
+        ("seen from the hollow", &[(-1.0, 1.0, 1.0), (-0.5, 0.5, 0.0)], 0.1, 0.5),
+        ("seen from the colour", &[(-1.0, 1.0, 1.0), (-0.5, 0.5, 0.0)], 0.75, 0.75),
+    ];
+    for (name, slabs, eye, metres) in cases {
+        let mut scene = seen_from(Vec3::new(0.0, 0.0, eye), Vec3::NEG_Z * 9.0, 1e-3);
+        for &(from, to, sigma) in slabs {
+            slab(&mut scene, from, to, clear(sigma));
+        }
+        let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
+        put(&mut scene, Shape::Rectangle { size: Vec2::splat(4.0) }, lamp, Vec3::Z * -3.0);
+        for integrator in [IntegratorKind::Path, IntegratorKind::Naive] {
+            let image = render(&scene, Settings { integrator, ..small(1024) });
+            let (mean, error) = mean(&image, "G");
+            let expected = (-metres).exp();
+            assert!(
+                (mean - expected).abs() < 4.0 * error + 1e-4,
+                "{name}, {integrator:?}: {mean} ± {error}, expected {expected}"
+            );
+        }
+    }
+}
+
+/// A matte floor in coloured water, under a hollow, and a small lamp beside it in the water: what
+/// the lamp sends to the floor fades as much as what the floor sends up.
+#[test]
+fn direct_light_fades_under_a_hollow() {
+    let water = Dielectric {
+        interior: Medium { ior: 1.0, absorption: Absorption::Coefficient(Rgb::grey(1.0)) },
+        ..Dielectric::new(1.0)
+    };
+    let picture = |coloured: bool| {
+        let mut scene = seen_from(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 1e-3);
+        if coloured {
+            slab(&mut scene, -1.0, 1.0, water);
+            slab(&mut scene, -0.2, 0.6, Dielectric::new(1.0));
+        }
+        let floor = scene.add_material(Matte::new(Rgb::grey(0.8)));
+        put(&mut scene, Shape::Rectangle { size: Vec2::splat(4.0) }, floor, Vec3::Z * -0.9);
+        let lamp = scene.add_material(Emission::radiance(Rgb::grey(1e4)));
+        let down = Transform::rotate_degrees(Vec3::X, 180.0);
+        let at = Transform::translate(Vec3::new(0.5, 0.0, -0.4)) * down;
+        let shape = Shape::Rectangle { size: Vec2::splat(1e-2) };
+        scene.objects.push(Object::new(shape, lamp).transformed(&at));
+        // Enough for both slabs and the floor, and no light between floor and lamp.
+        mean(&render(&scene, Settings { max_depth: Some(6), ..small(4096) }), "G")
+    };
+    let ((clear, clear_error), (faded, error)) = (picture(false), picture(true));
+    // Half a metre down and across to the floor; 0.7 m of water under the hollow, 0.4 m above it.
+    let kept = (-(0.5_f64.hypot(0.5) + 1.1)).exp();
+    let expected = clear * kept;
+    let error = error.hypot(clear_error * kept);
+    assert!(
+        clear > 0.0 && (faded - expected).abs() < 4.0 * error + 2e-3 * expected,
+        "{faded} ± {error}, expected {expected}"
+    );
+}
