@@ -60,6 +60,7 @@ pub mod scene;
 pub mod session;
 pub mod settings;
 pub mod shape;
+mod winding;
 
 pub use prepare::Prepared;
 pub use rutilant_geom as geom;

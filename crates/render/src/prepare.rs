@@ -21,13 +21,14 @@ use crate::material::{
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::scene::{MaterialId, Scene, SceneProblem};
 use crate::shape::{Mesh, Object, Shape};
+use crate::winding::inside_out;
 use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, Custom, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform,
     Vec2, Vec3, offset_origin,
 };
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::f32::consts::PI;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A scene that rays can be traced through. It does not change any more.
@@ -413,11 +414,14 @@ struct Assembly {
     uvs: Vec<Vec2>,
     emitters: Vec<Emitter>,
     some_pass: bool,
+    /// The objects that have to be turned for glass to be inside.
+    inside_out: Vec<bool>,
     notes: Vec<String>,
 }
 
 impl Assembly {
     fn finish(mut self, scene: &Scene, options: &BuildOptions) -> Prepared {
+        self.inside_out = inside_out(scene);
         for (number, object) in scene.objects.iter().enumerate() {
             self.add(number, object, scene);
         }
@@ -426,7 +430,7 @@ impl Assembly {
             let (sky, mended) = EnvironmentEmitter::new(environment, &scene.images);
             if mended > 0 {
                 self.notes.push(format!(
-                    "environment: {mended} pixels are negative, infinite or no numbers; they give no light"
+                    "environment: {mended} of its pixels, negative, infinite or no numbers, give no light"
                 ));
             }
             self.add_emitter(Emitter::Environment(sky))
@@ -445,12 +449,13 @@ impl Assembly {
         let left_out = surfaces.report().left_out;
         if left_out.count > 0 {
             let (count, first) = (left_out.count, left_out.first.unwrap_or(0));
+            let are = if count == 1 { "is" } else { "are" };
             self.notes.push(format!(
-                "{count} of the surfaces are left out: without area, infinite or no numbers (the first is number {first})"
+                "{count} of the surfaces {are} left out: without area, infinite or no numbers (the first is number {first})"
             ));
         }
-        let radius = radius_of(&surfaces.bounds());
-        let dark = |e: &Emitter| !e.is_custom() && e.power(radius).is_black();
+        // Whether light from infinitely far away is none does not depend on the scene's size.
+        let dark = |e: &Emitter| !e.is_custom() && e.power(1.0).is_black();
         if self.emitters.iter().all(dark) {
             self.notes.push("nothing gives light: the picture will be black".to_owned());
         }
@@ -496,6 +501,13 @@ impl Assembly {
             report,
         };
         prepared.camera_media = prepared.media_at(scene.camera.axis());
+        if !prepared.camera_media.absorption.is_black() {
+            prepared.report.notes.push(
+                "the camera stands inside of something that absorbs light: behind the first \
+                 surface in front of it, which is seen from its back"
+                    .to_owned(),
+            );
+        }
         prepared
     }
 
@@ -539,7 +551,8 @@ impl Assembly {
                 let sphere = Sphere { center, radius: *radius * scale };
                 self.spheres.push(sphere);
                 self.objects_of[1].push(number as u32);
-                let area = 4.0 * PI * sphere.radius * sphere.radius;
+                let radius = f64::from(sphere.radius);
+                let area = 4.0 * PI * radius * radius;
                 if let Some(glow) = self.glow(number, material, area) {
                     prepared.emitters = ObjectEmitters::One(
                         self.add_emitter(Emitter::Sphere(SphereEmitter { sphere, glow })),
@@ -557,7 +570,7 @@ impl Assembly {
                 let disk = Disk { center: world_from_object.translation(), u, v };
                 self.disks.push(disk);
                 self.objects_of[2].push(number as u32);
-                let area = PI * u.cross(v).length();
+                let area = PI * u.as_dvec3().cross(v.as_dvec3()).length();
                 if let Some(glow) = self.glow(number, material, area) {
                     let emitter = Emitter::Disk(DiskEmitter::new(disk, glow));
                     prepared.emitters = ObjectEmitters::One(self.add_emitter(emitter));
@@ -596,7 +609,7 @@ impl Assembly {
         if transform.mirrors() {
             self.turn(first_triangle);
         }
-        if is_border(material) && self.is_inside_out(first_triangle) {
+        if self.inside_out.get(number) == Some(&true) {
             self.turn(first_triangle);
             let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
             self.notes.push(format!(
@@ -627,7 +640,7 @@ impl Assembly {
         let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
         let area = self.triangles[first..].iter().map(|t| triangle_area(corners(t)));
         // Triangles that are no numbers give no light.
-        let area = area.filter(|a| a.is_finite()).map(f64::from).sum::<f64>() as f32;
+        let area = area.filter(|a| a.is_finite()).sum();
         let Some(glow) = self.glow(number, material, area) else { return };
         let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
         let emitters = self.triangles[first..]
@@ -654,21 +667,30 @@ impl Assembly {
     }
 
     /// The light of object `number`, of `area` m², with this material.
-    fn glow(&mut self, number: usize, material: &Material, area: f32) -> Option<Glow> {
+    fn glow(&mut self, number: usize, material: &Material, area: f64) -> Option<Glow> {
         let Emission { light, two_sided } = material.emission?;
         let sides = if two_sided { 2.0 } else { 1.0 };
-        let (EmittedLight::Radiance(light_rgb) | EmittedLight::Power(light_rgb)) = light;
-        let radiance = match light {
-            EmittedLight::Radiance(rgb) => Spectrum::from(rgb),
-            EmittedLight::Power(rgb) => Spectrum::from(rgb) / (PI * area * sides),
+        let (light_rgb, radiance) = match light {
+            EmittedLight::Radiance(rgb) => (rgb, Spectrum::from(rgb)),
+            EmittedLight::Power(rgb) => {
+                let per_radiance = PI * area * sides;
+                (rgb, Spectrum::from(rgb).map(|power| (f64::from(power) / per_radiance) as f32))
+            }
         };
         if light_rgb == Rgb::BLACK {
             return None;
         }
-        let shines = radiance.is_finite() && !radiance.is_black() && area > 0.0;
+        // Emitters keep their areas in single precision.
+        let measurable = area as f32 > 0.0 && (area as f32).is_finite();
+        let shines = measurable && radiance.is_finite() && !radiance.is_black();
         if !shines {
+            let why = if measurable {
+                "its power cannot be spread over it"
+            } else {
+                "that is too little or too much to measure"
+            };
             self.notes.push(format!(
-                "object {number} is a lamp of {area} m², which no power can be spread over: it gives no light"
+                "object {number} is a lamp of {area:.3e} m² and gives no light: {why}"
             ));
         }
         shines.then_some(Glow { radiance, two_sided })
@@ -683,24 +705,6 @@ impl Assembly {
     fn turn(&mut self, first: usize) {
         self.triangles[first..].iter_mut().for_each(|t| t.swap(1, 2));
     }
-
-    /// True when the triangles from `first` on enclose a space and face into it. An open sheet,
-    /// a water surface for example, encloses nothing: its areas do not cancel.
-    fn is_inside_out(&self, first: usize) -> bool {
-        let origin =
-            self.triangles.get(first).map_or(Vec3::ZERO, |t| self.positions[t[0] as usize]);
-        let (mut volume, mut area, mut area_sum) = (0.0, DVec3::ZERO, 0.0);
-        for t in &self.triangles[first..] {
-            let [a, b, c] = t.map(|v| (self.positions[v as usize] - origin).as_dvec3());
-            let cross = (b - a).cross(c - a);
-            if cross.is_finite() {
-                volume += a.dot(cross);
-                area += cross;
-                area_sum += cross.length();
-            }
-        }
-        volume < 0.0 && area.length() < 0.1 * area_sum
-    }
 }
 
 /// Half the diagonal, in metres; 1 for a scene without surfaces.
@@ -708,7 +712,9 @@ fn radius_of(bounds: &Aabb) -> f32 {
     if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
 }
 
-fn triangle_area([a, b, c]: [Vec3; 3]) -> f32 {
+/// In m².
+fn triangle_area(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
     0.5 * (b - a).cross(c - a).length()
 }
 
@@ -724,10 +730,6 @@ fn box_mesh(size: Vec3) -> Mesh {
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     Mesh { name: "box".into(), positions, triangles, ..Mesh::default() }
-}
-
-fn is_border(material: &Material) -> bool {
-    matches!(material.kind, MaterialKind::Dielectric(_))
 }
 
 /// True where rays go on as if there were no surface.

@@ -86,7 +86,8 @@ fn open_sheets_are_never_turned() {
             ..Mesh::default()
         });
         let prepared = Prepared::new(&coloured_glass(sheet, Transform::IDENTITY)).unwrap();
-        assert!(prepared.report().notes.is_empty(), "{:?}", prepared.report().notes);
+        let notes = &prepared.report().notes;
+        assert!(notes.iter().all(|note| !note.contains("inside out")), "{notes:?}");
     }
 }
 
@@ -257,6 +258,56 @@ fn darkness_is_announced() {
     let lamp = scene.add_material(Emission { light: power, two_sided: false });
     scene.objects.push(Object::new(Shape::Sphere { radius: 1e-30 }, lamp));
     let notes = Prepared::new(&scene).unwrap().report().notes.clone();
-    assert!(notes.iter().any(|n| n.starts_with("object 0 is a lamp of 0 m²")), "{notes:?}");
+    assert!(
+        notes
+            .iter()
+            .any(|n| n.starts_with("object 0 is a lamp of 1.257e-59 m² and gives no light")),
+        "{notes:?}"
+    );
     assert!(notes.iter().any(|n| n.starts_with("nothing gives light")), "{notes:?}");
+}
+
+/// Glass of two materials is two objects, each of them open; wound inside out together, both are
+/// turned. Otherwise the camera would be taken to stand in glass, and the whole picture be black.
+#[test]
+fn glass_of_several_materials_is_turned_as_one() {
+    let mut scene = scene();
+    let whole = inside_out(cube());
+    for half in [0..6, 6..12] {
+        let mesh = Mesh { triangles: whole.triangles[half].to_vec(), ..whole.clone() };
+        let mesh = scene.add_mesh(mesh);
+        let glass = scene.add_material(Dielectric::new(1.5));
+        scene.objects.push(Object::new(Shape::Mesh(mesh), glass));
+    }
+    let prepared = Prepared::new(&scene).unwrap();
+    let turned = prepared.report().notes.iter().filter(|n| n.contains("inside out")).count();
+    assert_eq!(turned, 2, "{:?}", prepared.report().notes);
+    let seen = Ray::new(Vec3::new(0.1, 0.2, 5.0), Vec3::NEG_Z);
+    assert!(prepared.closest(&seen).unwrap().normal.z > 0.0);
+
+    // An open sheet is believed: half of the faces alone.
+    scene.objects.pop();
+    assert!(
+        Prepared::new(&scene).unwrap().report().notes.iter().all(|n| !n.contains("inside out"))
+    );
+}
+
+/// A lamp shines at any scale: areas of 1e-24 m² and of 1e24 m² are areas.
+#[test]
+fn lamps_of_any_size_shine() {
+    for size in [1e-12_f32, 1e-6, 1.0, 1e6, 1e12] {
+        for shape in [
+            Shape::Rectangle { size: Vec2::splat(size) },
+            Shape::Disk { radius: size },
+            Shape::Box { size: Vec3::splat(size) },
+            Shape::Sphere { radius: size },
+        ] {
+            let mut scene = scene();
+            let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
+            scene.objects.push(Object::new(shape.clone(), lamp));
+            let prepared = Prepared::new(&scene).unwrap();
+            assert!(!prepared.emitters().is_empty(), "{size:e} {shape:?}");
+            assert_eq!(prepared.report().notes, [""; 0], "{size:e} {shape:?}");
+        }
+    }
 }
