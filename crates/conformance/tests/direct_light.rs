@@ -76,7 +76,7 @@ fn floor_under(lamps: &[Lamp], albedo: f32, point: DVec3) -> Scene {
     let size = Vec2::splat(400.0);
     scene.objects.push(Object::new(Shape::Rectangle { size }, floor).transformed(&lying));
     for Lamp { corners, radiance } in lamps {
-        let positions = corners.map(|p| p.as_vec3()).to_vec();
+        let positions = corners.map(DVec3::as_vec3).to_vec();
         let mesh =
             scene.add_mesh(Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() });
         let lamp = scene.add_material(Emission::radiance(Rgb::grey(*radiance as f32)));

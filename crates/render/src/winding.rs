@@ -29,7 +29,7 @@ pub(crate) fn inside_out(scene: &Scene) -> Vec<bool> {
         let windings: Vec<Option<Winding>> =
             meshes.map(|mesh| mesh.map(|mesh| Winding::of(mesh, origin))).collect();
         let open = windings.iter().flatten().filter(|winding| !winding.is_closed());
-        let together = open.fold(Winding::default(), |sum, winding| sum.and(winding));
+        let together = open.fold(Winding::default(), Winding::and);
         turned.extend(windings.iter().map(|winding| match winding {
             None => false,
             Some(closed) if closed.is_closed() => closed.volume < 0.0,

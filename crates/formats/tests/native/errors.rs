@@ -33,6 +33,27 @@ const MISTAKES: &[(&str, &str)] = &[
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nior = 1.5",
         r#"11:1: no key "ior" in a matte material, only in a dielectric or a thin dielectric"#,
     ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\npriority = 1",
+        r#"11:1: no key "priority" in a matte material, only in a dielectric"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\npriority = -1",
+        "11:12: priority must be a whole number, 0 or more, not the number -1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\npriority = 1.5",
+        "11:12: priority must be a whole number, 0 or more, not the number 1.5",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\npriority = 4294967296",
+        "11:12: priority is too large",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\npriority = 1\nemission = { radiance = 1 }",
+        "12:12: a dielectric with a priority cannot glow: where it lies within another, its \
+         surface is not there",
+    ),
     ("[[material]]\nnme = \"a\"\ntype = \"matte\"", r#"9:1: no key "nme"; did you mean "name"?"#),
     ("[[material]]\nname = \"a\"\n", r#"8:1: [[material]] needs "type""#),
     (
@@ -127,6 +148,10 @@ const MISTAKES: &[(&str, &str)] = &[
     (
         "[[shape]]\ntype = \"sun\"",
         r#"9:8: no shape type "sun"; there are mesh, sphere, rectangle, disk, box"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nsigma_a = 1\nabsorption_distance = 5",
+        "12:23: absorption_distance needs an absorption_color",
     ),
     // Roughness, metals, panes.
     (

@@ -76,7 +76,7 @@ fn the_documented_example_means_what_it_says() {
     assert_eq!((mix.first, mix.second, mix.amount), (MaterialId(2), MaterialId(3), 0.1));
     let MaterialKind::Dielectric(bottle) = scene.materials[5].kind else { panic!("no glass") };
     assert_eq!((bottle.interior.ior, bottle.exterior.ior), (1.52, 1.0));
-    assert_eq!(bottle.fresnel, Fresnel::Exact);
+    assert_eq!((bottle.fresnel, bottle.priority), (Fresnel::Exact, None));
     assert_eq!(
         bottle.interior.absorption,
         Absorption::ColorAtDistance { color: Rgb::new(0.3, 0.8, 0.4), distance: 0.1 }
@@ -407,4 +407,17 @@ fn lost_emission_is_noted() {
     let notes = read(text).notes;
     assert_eq!(notes.len(), 1);
     assert!(notes[0].contains("\"both\" does not glow as its part \"lamp\" does"), "{notes:?}");
+}
+
+/// Priorities are whole numbers, the largest that is documented among them, and 0 is one.
+#[test]
+fn priorities_are_numbers_and_none_is_none() {
+    for (line, expected) in
+        [("", None), ("priority = 0", Some(0)), ("priority = 4294967295", Some(u32::MAX))]
+    {
+        let loaded = read(&format!("[[material]]\nname = \"a\"\ntype = \"dielectric\"\n{line}"));
+        let glass = &loaded.scene.materials.last().expect("a material").kind;
+        let MaterialKind::Dielectric(glass) = glass else { panic!("{glass:?}") };
+        assert_eq!(glass.priority, expected);
+    }
 }

@@ -19,7 +19,7 @@ pub struct Dielectric {
     /// and the exterior counts only where no other medium with a priority is. `None` takes no
     /// part: interior and exterior are as declared, everywhere.
     ///
-    /// Bodies must be closed, and must overlap rather than touch. They may not glow.
+    /// Bodies must be closed; they may overlap or touch. They may not glow.
     pub priority: Option<u32>,
     /// How rough the border is, 0 (smooth) to 1. The α of GGX is its square.
     pub roughness: f32,

@@ -193,17 +193,17 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
 }
 
 fn absorption(table: &Table<'_>) -> Result<Absorption, SceneError> {
-    match table.at_most_one(&["sigma_a", "absorption_color"])? {
-        Some("sigma_a") => table.must("sigma_a", Value::color).map(Absorption::Coefficient),
-        Some(_) => Ok(Absorption::ColorAtDistance {
+    let given = table.at_most_one(&["sigma_a", "absorption_color"])?;
+    if given == Some("absorption_color") {
+        return Ok(Absorption::ColorAtDistance {
             color: table.must("absorption_color", Value::color)?,
             distance: table.or("absorption_distance", Value::number, 1.0)?,
-        }),
-        None => match table.get("absorption_distance") {
-            None => Ok(Absorption::None),
-            Some(value) => Err(value.invalid("absorption_distance needs an absorption_color")),
-        },
+        });
     }
+    if let Some(value) = table.get("absorption_distance") {
+        return Err(value.invalid("absorption_distance needs an absorption_color"));
+    }
+    Ok(table.maybe("sigma_a", Value::color)?.map_or(Absorption::None, Absorption::Coefficient))
 }
 
 /// A mix scatters as its parts do, but does not glow as they do.
@@ -211,7 +211,9 @@ fn note_lost_emission(draft: &mut Draft<'_>) {
     let materials = &draft.scene.materials;
     for (i, material) in materials.iter().enumerate() {
         let MaterialKind::Mix(mix) = &material.kind else { continue };
-        for part in [mix.first, mix.second].iter().filter_map(|id| materials.get(id.0 as usize)) {
+        let second = (mix.second != mix.first).then_some(mix.second);
+        let parts = [mix.first].into_iter().chain(second);
+        for part in parts.filter_map(|id| materials.get(id.0 as usize)) {
             if part.emission.is_some() {
                 let (mix, part) = (shown(&material.name), shown(&part.name));
                 let what = format!(
