@@ -46,7 +46,7 @@ fn report(scene: &str, spp: u64) -> Result<(), Box<dyn std::error::Error>> {
     let size = [width, height].map(|side| ((f64::from(side) * scale) as u32).max(1));
     let render = |max_depth| -> Result<Measured, Box<dyn std::error::Error>> {
         let settings = Settings { size, crop: None, spp, max_depth, ..loaded.settings.clone() };
-        measure(Session::start(Arc::clone(&prepared), settings, 2)?)
+        measure(&Session::start(Arc::clone(&prepared), settings, 2)?)
     };
     let all = render(None)?;
     println!("max_depth  luminance       lost   error of both  rays per path");
@@ -71,7 +71,7 @@ struct Measured {
     rays_per_path: f64,
 }
 
-fn measure(session: Session) -> Result<Measured, Box<dyn std::error::Error>> {
+fn measure(session: &Session) -> Result<Measured, Box<dyn std::error::Error>> {
     while !session.wait(Duration::from_secs(3600)) {}
     let (image, progress) = (session.snapshot(), session.progress());
     let channel = |name: String| image.channel(&name).ok_or(name + " is missing");
