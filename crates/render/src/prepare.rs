@@ -143,10 +143,12 @@ impl Prepared {
     }
 
     /// Whether anything is in a ray's way that rays do not pass.
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if !self.some_pass {
-            return self.surfaces.occluded(ray);
-        }
+        if self.some_pass { self.occluded_behind_flames(ray) } else { self.surfaces.occluded(ray) }
+    }
+
+    fn occluded_behind_flames(&self, ray: &Ray) -> bool {
         let mut ahead = *ray;
         while let Some(hit) = self.closest(&ahead) {
             if !self.materials[self.object(&hit).material as usize].passes {
@@ -186,6 +188,11 @@ impl Prepared {
         let vertices = self.surfaces.triangles()[hit.primitive as usize];
         let [a, b, c] = vertices.map(|v| self.uvs[(v - object.first_vertex + first_uv) as usize]);
         a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
+    }
+
+    /// Whether there is a surface that rays pass.
+    pub(crate) fn some_pass(&self) -> bool {
+        self.some_pass
     }
 
     /// What the medium around the camera absorbs, in 1/m.

@@ -6,7 +6,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::passing::next_surface;
+use super::passing::light_passed;
 use super::path::transmittance;
 use crate::color::Spectrum;
 use crate::light::EmitterSelection;
@@ -23,21 +23,21 @@ impl Integrator for Direct {
     fn radiance<S: Sampler>(
         &self,
         scene: &Prepared,
-        ray: Ray,
+        mut ray: Ray,
         sampler: &S,
         rays: &mut u64,
     ) -> Spectrum {
         *rays += 1;
         let here = scene.camera_absorption();
-        let mut passed = Spectrum::BLACK;
-        let found = next_surface(scene, &ray, |glow, distance| {
-            passed += glow.radiance * transmittance(here, distance);
+        let passed = light_passed(scene, &mut ray, |glow, distance| {
+            glow.radiance * transmittance(here, distance)
         });
-        let Some((hit, at)) = found else {
+        let Some(hit) = scene.closest(&ray) else {
             let through = transmittance(here, f32::INFINITY);
             return SeenEmission::of_sky(scene, ray.direction)
                 .map_or(passed, |s| passed + s.radiance * through);
         };
+        let at = scene.interaction(&hit, ray.direction);
         let bsdf = &scene.material(&at).bsdf;
         let wo = at.wo_local();
         let bounce = Bounce::at(1);
@@ -73,14 +73,18 @@ impl Integrator for Direct {
         let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
         if let Some(sample) = sample.filter(|s| s.delta) {
             let crossed = sample.is_transmission(wo);
-            let ray = at.scattered_ray(bsdf, &sample, crossed);
+            let mut ray = at.scattered_ray(bsdf, &sample, crossed);
             let medium = side((wo.z > 0.0) != crossed);
             *rays += 1;
-            let found = next_surface(scene, &ray, |glow, distance| {
-                radiance += glow.radiance * sample.weight * transmittance(medium, distance);
+            let passed = light_passed(scene, &mut ray, |glow, distance| {
+                glow.radiance * transmittance(medium, distance)
             });
-            let (seen, distance) = match found {
-                Some((hit, at)) => (SeenEmission::of_surface(scene, &at), hit.t),
+            radiance += passed * sample.weight;
+            let (seen, distance) = match scene.closest(&ray) {
+                Some(hit) => (
+                    SeenEmission::of_surface(scene, &scene.interaction(&hit, ray.direction)),
+                    hit.t,
+                ),
                 None => (SeenEmission::of_sky(scene, ray.direction), f32::INFINITY),
             };
             radiance += seen.map_or(Spectrum::BLACK, |s| {

@@ -7,7 +7,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::passing::next_surface;
+use super::passing::light_passed;
 use super::path::transmittance;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
@@ -37,16 +37,20 @@ impl Integrator for Naive {
         let mut ray = camera_ray;
         for depth in 1..=self.max_depth {
             *rays += 1;
-            let found = next_surface(scene, &ray, |glow, distance| {
-                radiance += throughput * transmittance(absorption, distance) * glow.radiance;
-            });
-            let Some((hit, at)) = found else {
+            if scene.some_pass() {
+                let passed = light_passed(scene, &mut ray, |glow, distance| {
+                    glow.radiance * transmittance(absorption, distance)
+                });
+                radiance += throughput * passed;
+            }
+            let Some(hit) = scene.closest(&ray) else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
                     radiance +=
                         throughput * transmittance(absorption, f32::INFINITY) * sky.radiance;
                 }
                 break;
             };
+            let at = scene.interaction(&hit, ray.direction);
             let material = scene.material(&at);
             let wo = at.wo_local();
             if let Some(border) = &material.border {

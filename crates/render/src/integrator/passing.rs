@@ -1,28 +1,28 @@
 //! Surfaces that glow and do not scatter: rays pass them as if they were not there.
 
 use super::emission::SeenEmission;
-use crate::interaction::SurfaceInteraction;
+use crate::color::Spectrum;
 use crate::prepare::Prepared;
-use rutilant_geom::{Hit, Ray};
+use rutilant_geom::Ray;
 
-/// The first surface on a ray's way that scatters. What glows before it without scattering is
-/// handed to `passed`, with its distance from the ray's origin.
-pub(super) fn next_surface(
+/// The light of what glows without scattering before the first surface that scatters, each times
+/// what `share` gives for it and its distance. The ray then starts behind all of it.
+pub(super) fn light_passed(
     scene: &Prepared,
-    ray: &Ray,
-    mut passed: impl FnMut(&SeenEmission, f32),
-) -> Option<(Hit, SurfaceInteraction)> {
-    let mut ahead = *ray;
-    loop {
-        let hit = scene.closest(&ahead)?;
+    ray: &mut Ray,
+    share: impl Fn(&SeenEmission, f32) -> Spectrum,
+) -> Spectrum {
+    let mut sum = Spectrum::BLACK;
+    while let Some(hit) = scene.closest(ray) {
         let at = scene.interaction(&hit, ray.direction);
         if !scene.material(&at).passes {
-            return Some((hit, at));
+            break;
         }
         if let Some(glow) = SeenEmission::of_surface(scene, &at) {
-            passed(&glow, hit.t);
+            sum += share(&glow, hit.t);
         }
         // Every step leaves at least this surface behind.
-        ahead.t_min = hit.t.next_up();
+        ray.t_min = hit.t.next_up();
     }
+    sum
 }

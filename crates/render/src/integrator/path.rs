@@ -13,7 +13,7 @@
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::passing::next_surface;
+use super::passing::light_passed;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;
@@ -62,17 +62,18 @@ impl Integrator for Path {
         for depth in 1..=self.max_depth {
             // Find the next surface, or leave the scene.
             *rays += 1;
-            let found = next_surface(scene, &ray, |glow, distance| {
-                let seen = throughput * transmittance(absorption, distance);
-                radiance += seen * self.weighted(scene, glow, &ray, previous.as_ref());
-            });
-            let Some((hit, at)) = found else {
+            if scene.some_pass() {
+                radiance +=
+                    throughput * self.flames_passed(scene, &mut ray, absorption, previous.as_ref());
+            }
+            let Some(hit) = scene.closest(&ray) else {
                 if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
                     let seen = throughput * transmittance(absorption, f32::INFINITY);
                     radiance += seen * self.weighted(scene, &sky, &ray, previous.as_ref());
                 }
                 break;
             };
+            let at = scene.interaction(&hit, ray.direction);
             let material = scene.material(&at);
             let wo = at.wo_local();
 
@@ -93,10 +94,8 @@ impl Integrator for Path {
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);
             if !material.bsdf.is_delta() {
-                let beyond = material.border.map_or(absorption, |b| b.absorption(wo.z < 0.0));
-                let media = [absorption, beyond];
                 radiance += throughput
-                    * self.direct_light(scene, &at, material, media, sampler, bounce, rays);
+                    * self.direct_light(scene, &at, material, absorption, sampler, bounce, rays);
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -153,16 +152,30 @@ impl Path {
         seen.radiance * share
     }
 
+    /// What glows on a ray's way without scattering it; the ray then starts behind that.
+    #[inline(never)]
+    fn flames_passed(
+        &self,
+        scene: &Prepared,
+        ray: &mut Ray,
+        absorption: Spectrum,
+        previous: Option<&Previous>,
+    ) -> Spectrum {
+        let whole = *ray;
+        light_passed(scene, ray, |glow, distance| {
+            self.weighted(scene, glow, &whole, previous) * transmittance(absorption, distance)
+        })
+    }
+
     /// Light from one light that is chosen for `at`, times the share that light sampling has in
-    /// finding it, scattered towards `wo`. `media` are the absorptions on the side of `wo` and
-    /// beyond the surface.
+    /// finding it, scattered towards `wo`. `absorption` is that on the side of `wo`.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
     fn direct_light<S: Sampler>(
         &self,
         scene: &Prepared,
         at: &SurfaceInteraction,
         material: &PreparedMaterial,
-        media: [Spectrum; 2],
+        absorption: Spectrum,
         sampler: &S,
         bounce: Bounce,
         rays: &mut u64,
@@ -170,30 +183,40 @@ impl Path {
         // Light may arrive on either side of a clear surface: seen from the surface itself.
         let translucent = material.bsdf.is_translucent();
         let from = if translucent { at.position } else { at.reflected_origin() };
-        let arriving = || {
-            let (emitter, pmf) = self.selection.select(from, sampler.d1(bounce.light()))?;
-            let light = scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))?;
-            let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
-            let scattered = material.bsdf.eval_cos(wo, wi);
-            let pdf = pmf * light.pdf;
-            let share = match self.strategy {
-                _ if light.delta => 1.0,
-                Strategy::LightOnly => 1.0,
-                Strategy::BsdfOnly => 0.0,
-                Strategy::Both => self.heuristic.share(pdf, material.bsdf.pdf(wo, wi)),
-            };
-            let unshadowed = scattered * light.radiance * (share / pdf);
-            let beyond = wo.z * wi.z < 0.0;
-            (!unshadowed.is_black()).then_some((light, unshadowed, beyond))
+        let Some((emitter, pmf)) = self.selection.select(from, sampler.d1(bounce.light())) else {
+            return Spectrum::BLACK;
         };
-        let Some((light, unshadowed, beyond)) = arriving() else { return Spectrum::BLACK };
+        let light_point = sampler.d2(bounce.light_point());
+        let Some(light) = scene.emitters()[emitter].sample(from, light_point) else {
+            return Spectrum::BLACK;
+        };
+        let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
+        let (scattered, bsdf_pdf) = material.bsdf.eval_cos_pdf(wo, wi);
+        let pdf = pmf * light.pdf;
+        let share = match self.strategy {
+            _ if light.delta => 1.0,
+            Strategy::LightOnly => 1.0,
+            Strategy::BsdfOnly => 0.0,
+            Strategy::Both => self.heuristic.share(pdf, bsdf_pdf),
+        };
+        let unshadowed = scattered * light.radiance * (share / pdf);
+        if unshadowed.is_black() {
+            return Spectrum::BLACK;
+        }
+
+        // Nothing may be in its way, on the side that it comes from.
+        let beyond = wo.z * wi.z < 0.0;
         let origin = if translucent { at.surface_origin(beyond) } else { from };
         *rays += 1;
         if scene.occluded(&light.shadow_ray(origin)) {
             return Spectrum::BLACK;
         }
         let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-        unshadowed * transmittance(media[usize::from(beyond)], distance)
+        let absorption = match &material.border {
+            Some(border) if beyond => border.absorption(wo.z < 0.0),
+            Some(_) | None => absorption,
+        };
+        unshadowed * transmittance(absorption, distance)
     }
 
     /// The probability with which a path goes on after its `depth`-th segment.
