@@ -228,11 +228,8 @@ mod tests {
             assert_eq!(display.encode([f32::NAN, f32::NEG_INFINITY, -1.0]), [0; 3], "{curve:?}");
             assert_eq!(display.encode([f32::INFINITY; 3]), [255; 3], "{curve:?}");
             assert_eq!(display.encode([0.0; 3]), [0; 3], "{curve:?}");
-            assert_eq!(
-                display.encode_16([f32::NAN, -1.0, f32::INFINITY]),
-                [0, 0, 65535],
-                "{curve:?}"
-            );
+            assert_eq!(display.encode_16([f32::NAN, f32::NEG_INFINITY, -1.0]), [0; 3], "{curve:?}");
+            assert_eq!(display.encode_16([f32::INFINITY; 3]), [65535; 3], "{curve:?}");
         }
     }
 

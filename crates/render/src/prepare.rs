@@ -170,10 +170,12 @@ impl Prepared {
     }
 
     /// Whether anything is in a ray's way that rays do not pass.
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if !self.some_pass {
-            return self.surfaces.occluded(ray);
-        }
+        if self.some_pass { self.occluded_behind_flames(ray) } else { self.surfaces.occluded(ray) }
+    }
+
+    fn occluded_behind_flames(&self, ray: &Ray) -> bool {
         let mut ahead = *ray;
         while let Some(hit) = self.closest(&ahead) {
             if !self.materials[self.object(&hit).material as usize].passes {

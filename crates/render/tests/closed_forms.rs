@@ -10,7 +10,10 @@ use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::light::{Environment, Light, SpotLight};
-use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Mirror, Mix};
+use rutilant::material::{
+    Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
+    ThinDielectric,
+};
 use rutilant::scene::Scene;
 use rutilant::settings::{
     Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
@@ -403,4 +406,92 @@ fn depth_counts_segments() {
     let ((a, ea), (b, eb)) = (mean(&path, "G"), mean(&direct, "G"));
     assert!((a - b).abs() < 4.0 * ea.hypot(eb), "{a} ± {ea}, {b} ± {eb}");
     assert!(mean(&emission, "G").0 < a - 10.0 * ea, "direct light adds to emission");
+}
+
+/// What absorbs nothing cannot be seen under an even sky, however rough and from inside as well.
+/// Rough surfaces may err by what their table does: half a percent.
+#[test]
+fn white_balls_vanish_under_an_even_sky() {
+    let glass = |roughness| Material::from(Dielectric { roughness, ..Dielectric::new(1.5) });
+    let metal = |roughness| Material::from(Conductor { eta: Rgb::BLACK, k: Rgb::WHITE, roughness });
+    let clay = Material::from(Matte { albedo: Rgb::WHITE, roughness: 1.0 });
+    let film = Material::from(ThinDielectric { ior: 1.33, color: Rgb::WHITE });
+    let hole = Material::new(MaterialKind::Null);
+    let materials = [glass(0.3), glass(0.7), glass(1.0), metal(0.5), metal(1.0), clay, film, hole];
+    for material in materials {
+        let mut scene = seen_from(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.55);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        let kind = format!("{:?}", material.kind);
+        let material = scene.add_material(material);
+        scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, material));
+        for integrator in [IntegratorKind::Path, IntegratorKind::Naive] {
+            let image = render(&scene, Settings { integrator, ..small(256) });
+            let (mean, error) = mean(&image, "G");
+            assert!((mean - 1.0).abs() < 5e-3 + 4.0 * error, "{kind}: {mean} ± {error}");
+        }
+    }
+}
+
+/// Surfaces that do not scatter are not there: not for the camera, not for light, not for the tree.
+#[test]
+fn null_surfaces_change_no_bit() {
+    let mut scene = seen_from(Vec3::new(0.0, 1.0, 3.0), Vec3::ZERO, 0.8);
+    let floor = scene.add_material(Matte::new(GREY));
+    let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
+    scene
+        .objects
+        .push(Object::new(Shape::Rectangle { size: Vec2::splat(4.0) }, floor).transformed(&flat));
+    scene.lights.push(Light::Point { position: Vec3::Y, intensity: Rgb::WHITE });
+    let without = render(&scene, small(4)).hash();
+    let nothing = scene.add_material(Material::new(MaterialKind::Null));
+    for shape in [
+        Shape::Sphere { radius: 0.5 },
+        Shape::Box { size: Vec3::splat(9.0) },
+        Shape::Disk { radius: 3.0 },
+        Shape::Rectangle { size: Vec2::splat(5.0) },
+    ] {
+        scene.objects.insert(0, Object::new(shape, nothing));
+    }
+    assert_eq!(render(&scene, small(4)).hash(), without);
+}
+
+/// What glows and does not scatter adds its light to what is behind it, and throws no shadow:
+/// two flames of radiance 0.5 and 0.25 before a sky of 1 make 1.75, and a floor behind the flames
+/// has the light of its lamp.
+#[test]
+fn flames_add_light_and_hide_nothing() {
+    let flame = |scene: &mut Scene, radiance: f32, z: f32, turned: f32| {
+        let glow = Emission::radiance(Rgb::grey(radiance));
+        let glow = Emission { two_sided: true, ..glow };
+        let flame = scene.add_material(Material::new(MaterialKind::Null).emitting(glow));
+        let place = Transform::translate(Vec3::new(0.0, 0.0, z));
+        scene.objects.push(
+            Object::new(Shape::Rectangle { size: Vec2::splat(9.0) }, flame)
+                .transformed(&(place * Transform::rotate(Vec3::Y, turned))),
+        );
+    };
+    let mut sky = seen_from(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.5);
+    sky.environment = Some(Environment::constant(Rgb::WHITE));
+    flame(&mut sky, 0.5, 0.0, 0.3);
+    flame(&mut sky, 0.25, 1.0, 3.0);
+    for integrator in [IntegratorKind::Path, IntegratorKind::Naive, IntegratorKind::Direct] {
+        // Passing is no bounce: one segment is enough.
+        let settings = Settings { integrator, max_depth: Some(1), ..small(4) };
+        assert_mean(&render(&sky, settings), 1.75, 0.0);
+    }
+
+    // Straight below a lamp, 2 m away, through a flame that gives next to nothing.
+    let mut shadow = seen_from(Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1.0), 0.002);
+    let wall = shadow.add_material(Matte::new(GREY));
+    shadow.objects.push(
+        Object::new(Shape::Rectangle { size: Vec2::splat(4.0) }, wall)
+            .transformed(&Transform::translate(Vec3::new(0.0, 0.0, -1.0))),
+    );
+    let position = Vec3::new(0.0, 0.0, 1.0);
+    shadow.lights.push(Light::Point { position, intensity: Rgb::grey(8.0) });
+    flame(&mut shadow, 1e-9, 0.0, 0.0);
+    for integrator in [IntegratorKind::Path, IntegratorKind::Direct] {
+        let image = render(&shadow, Settings { integrator, ..small(64) });
+        assert_mean(&image, 0.5 / PI * 2.0, 4.0);
+    }
 }

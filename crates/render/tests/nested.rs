@@ -185,7 +185,8 @@ fn bodies_of_equal_index_are_invisible() {
     let ball = |scene: &mut Scene, material: MaterialId, radius: f32| {
         put(scene, Shape::Sphere { radius }, material, Vec3::new(0.1, 0.2, 0.0));
     };
-    let additions: [(&str, &dyn Fn(&mut Scene)); 4] = [
+    type Add<'a> = (&'a str, &'a dyn Fn(&mut Scene));
+    let additions: [Add<'_>; 4] = [
         ("weaker", &|s| {
             let other = s.add_material(medium(1.5, 0.3, 1));
             ball(s, other, 0.5);
@@ -406,7 +407,8 @@ fn what_lies_in_a_coloured_medium_leaves_it_its_colour() {
         Dielectric { interior: Medium { ior: 1.0, absorption }, ..Dielectric::new(1.0) }
     };
     // Where the slabs are, what each absorbs, where the eye is, how thick all the colour is.
-    let cases: [(&str, &[(f32, f32, f32)], f32, f64); 5] = [
+    type Slab = (f32, f32, f32);
+    let cases: [(&str, &[Slab], f32, f64); 5] = [
         ("coloured", &[(-1.0, 1.0, 1.0)], 3.0, 2.0),
         ("a hollow", &[(-1.0, 1.0, 1.0), (-0.5, 0.5, 0.0)], 3.0, 1.0),
         (

@@ -83,36 +83,25 @@ impl Lobe {
         }
     }
 
-    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr. Black for delta lobes.
-    pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, and the density with which
+    /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Zero for delta lobes.
+    #[inline]
+    pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         match self {
-            Self::Lambert(l) => l.eval_cos(wo, wi),
-            Self::OrenNayar(l) => l.eval_cos(wo, wi),
-            Self::RoughConductor(l) => l.eval_cos(wo, wi),
-            Self::RoughDielectric(l) => Spectrum::splat(l.eval_cos(wo, wi)),
+            Self::Lambert(l) => (l.eval_cos(wo, wi), l.pdf(wo, wi)),
+            Self::OrenNayar(l) => (l.eval_cos(wo, wi), l.pdf(wo, wi)),
+            Self::RoughConductor(l) => l.eval_cos_pdf(wo, wi),
+            Self::RoughDielectric(l) => l.eval_cos_pdf(wo, wi),
             Self::Mirror(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
-            | Self::ThinDielectric(_) => Spectrum::BLACK,
-        }
-    }
-
-    /// The density with which [`sample`](Self::sample) draws `wi`, in 1/sr. Zero for delta lobes.
-    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        match self {
-            Self::Lambert(l) => l.pdf(wo, wi),
-            Self::OrenNayar(l) => l.pdf(wo, wi),
-            Self::RoughConductor(l) => l.pdf(wo, wi),
-            Self::RoughDielectric(l) => l.pdf(wo, wi),
-            Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::Dielectric(_)
-            | Self::ThinDielectric(_) => 0.0,
+            | Self::ThinDielectric(_) => (Spectrum::BLACK, 0.0),
         }
     }
 
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1).
     /// `None` where nothing is scattered.
+    #[inline]
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Lambert(l) => l.sample(wo, u),
@@ -145,6 +134,10 @@ impl Lobe {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bsdf {
     lobes: [Option<WeightedLobe>; Self::MAX_LOBES],
+    /// How many of them are not deltas.
+    spread: u8,
+    /// Whether one of those scatters light through the surface.
+    translucent: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +160,7 @@ impl Bsdf {
     pub const MAX_LOBES: usize = 2;
 
     /// Absorbs everything.
-    pub const BLACK: Self = Self { lobes: [None; Self::MAX_LOBES] };
+    pub const BLACK: Self = Self { lobes: [None; Self::MAX_LOBES], spread: 0, translucent: false };
 
     /// Lobes with their weights; those that send nothing back are left out, as are those
     /// beyond [`MAX_LOBES`](Self::MAX_LOBES). Each is chosen in proportion to weight and albedo.
@@ -176,7 +169,10 @@ impl Bsdf {
         let mut kept = lobes.into_iter().filter(|(w, l)| importance(*w, l) > 0.0);
         let kept: [_; Self::MAX_LOBES] = std::array::from_fn(|_| kept.next());
         let total: f32 = kept.iter().flatten().map(|(w, l)| importance(*w, l)).sum();
+        let lobes = || kept.iter().flatten().map(|(_, lobe)| lobe);
         Self {
+            spread: lobes().filter(|l| !l.is_delta()).count() as u8,
+            translucent: lobes().any(Lobe::is_translucent),
             lobes: kept.map(|kept| {
                 kept.map(|(weight, lobe)| WeightedLobe {
                     lobe,
@@ -208,28 +204,40 @@ impl Bsdf {
             | Lobe::RoughConductor(_)
             | Lobe::ThinDielectric(_) => lobe,
         };
-        Self { lobes: self.lobes.map(|l| l.map(|l| WeightedLobe { lobe: lobe(l.lobe), ..l })) }
+        Self::sum(self.lobes().map(|l| (l.weight, lobe(l.lobe))))
     }
 
     /// True when light sampling can find nothing here: every lobe is a delta, or there is none.
     pub fn is_delta(&self) -> bool {
-        self.lobes().all(|l| l.lobe.is_delta())
+        self.spread == 0
     }
 
     /// True when light sampling can find light beyond the surface.
     pub fn is_translucent(&self) -> bool {
-        self.lobes().any(|l| l.lobe.is_translucent())
+        self.translucent
+    }
+
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, and the density with which
+    /// [`sample`](Self::sample) draws `wi`, both in 1/sr and without the delta lobes.
+    #[inline]
+    pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        let mut sum = (Spectrum::BLACK, 0.0);
+        for l in self.lobes() {
+            let (value, pdf) = l.lobe.eval_cos_pdf(wo, wi);
+            sum = (sum.0 + value * l.weight, sum.1 + pdf * l.pmf);
+        }
+        sum
     }
 
     /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr, without the delta lobes.
     pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
-        self.lobes().fold(Spectrum::BLACK, |sum, l| sum + l.lobe.eval_cos(wo, wi) * l.weight)
+        self.eval_cos_pdf(wo, wi).0
     }
 
     /// The density with which [`sample`](Self::sample) draws `wi` from the lobes that are not
     /// deltas, in 1/sr.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.lobes().map(|l| l.lobe.pdf(wo, wi) * l.pmf).sum()
+        self.eval_cos_pdf(wo, wi).1
     }
 
     /// Draws the direction the light came from, given `wo`, where it leaves to.
@@ -250,13 +258,12 @@ impl Bsdf {
         let sample = chosen.lobe.sample(wo, choice, u)?;
 
         // Only this lobe could have drawn it, or others as well.
-        let alone = sample.delta || self.lobes().filter(|l| !l.lobe.is_delta()).count() == 1;
-        if alone {
+        if sample.delta || self.spread == 1 {
             let weight = sample.weight * (chosen.weight / chosen.pmf);
             return Some(BsdfSample { weight, pdf: sample.pdf * chosen.pmf, ..sample });
         }
-        let pdf = self.pdf(wo, sample.wi);
-        let weight = self.eval_cos(wo, sample.wi) / pdf;
+        let (value, pdf) = self.eval_cos_pdf(wo, sample.wi);
+        let weight = value / pdf;
         (pdf > 0.0).then_some(BsdfSample { weight, pdf, ..sample })
     }
 

@@ -43,16 +43,6 @@ impl RoughConductor {
         Some(Self { eta, k, facets: Ggx { alpha }, loss, many })
     }
 
-    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr.
-    pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> Spectrum {
-        self.scatter(wo, wi).0
-    }
-
-    /// The density of [`sample`](Self::sample), in 1/sr.
-    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.scatter(wo, wi).1
-    }
-
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`
     /// where the facet reflects into its neighbours.
     #[inline(never)]
@@ -73,7 +63,7 @@ impl RoughConductor {
         if wo.z < 0.0 {
             wi.z = -wi.z;
         }
-        let (value, pdf) = self.scatter(wo, wi);
+        let (value, pdf) = self.eval_cos_pdf(wo, wi);
         (pdf > 0.0).then(|| BsdfSample { wi, weight: value / pdf, pdf, delta: false, eta: 1.0 })
     }
 
@@ -82,9 +72,10 @@ impl RoughConductor {
         self.reflectance(1.0)
     }
 
-    /// Value times cosine, and density.
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, and the density of [`sample`](Self::sample),
+    /// both in 1/sr.
     #[inline(never)]
-    fn scatter(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+    pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         if wo.z * wi.z <= 0.0 {
             return (Spectrum::BLACK, 0.0);
         }

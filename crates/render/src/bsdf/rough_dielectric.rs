@@ -77,16 +77,6 @@ impl RoughDielectric {
         self.facets.alpha.sqrt()
     }
 
-    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, in 1/sr.
-    pub fn eval_cos(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.scatter(wo, wi).0
-    }
-
-    /// The density of [`sample`](Self::sample), in 1/sr.
-    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.scatter(wo, wi).1
-    }
-
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`
     /// where the facet sends light into its neighbours.
     #[inline(never)]
@@ -121,17 +111,18 @@ impl RoughDielectric {
             Way::Reflected | Way::Refracted => return None,
         };
         let wi = if wo.z < 0.0 { Vec3::new(wi.x, wi.y, -wi.z) } else { wi };
-        let (value, pdf) = self.scatter(wo, wi);
-        let weight = Spectrum::splat(value / pdf);
+        let (value, pdf) = self.eval_cos_pdf(wo, wi);
+        let weight = value / pdf;
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, delta: false, eta })
     }
 
-    /// Value times cosine, and density.
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, and the density of [`sample`](Self::sample),
+    /// both in 1/sr.
     #[inline(never)]
-    fn scatter(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
+    pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         let (o, i) = (wo.z.abs(), wi.z.abs());
         if o == 0.0 || i == 0.0 {
-            return (0.0, 0.0);
+            return (Spectrum::BLACK, 0.0);
         }
         let (side, beyond, eta) = self.seen_from(wo);
         let lost = side.loss.at(o);
@@ -153,7 +144,7 @@ impl RoughDielectric {
                 value += reflected * density * 0.5 * i / hidden;
                 pdf += (1.0 - lost) * reflected * density * 0.5 / (o + length_o);
             }
-            (value, pdf)
+            (Spectrum::splat(value), pdf)
         } else {
             // Given back beyond. Radiance is less here by the square of the index.
             let mut value =
@@ -177,7 +168,7 @@ impl RoughDielectric {
                 value += once * index_o * index_o * 2.0 * i / (i + length_i);
                 pdf += (1.0 - lost) * once * index_i * index_i;
             }
-            (value, pdf)
+            (Spectrum::splat(value), pdf)
         }
     }
 

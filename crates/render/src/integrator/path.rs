@@ -174,23 +174,29 @@ impl Path {
         // Light may arrive on either side of a clear surface: seen from the surface itself.
         let translucent = material.bsdf.is_translucent();
         let from = if translucent { at.position } else { at.reflected_origin() };
-        let arriving = || {
-            let (emitter, pmf) = self.selection.select(from, sampler.d1(bounce.light()))?;
-            let light = scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))?;
-            let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
-            let scattered = material.bsdf.eval_cos(wo, wi);
-            let pdf = pmf * light.pdf;
-            let share = match self.strategy {
-                _ if light.delta => 1.0,
-                Strategy::LightOnly => 1.0,
-                Strategy::BsdfOnly => 0.0,
-                Strategy::Both => self.heuristic.share(pdf, material.bsdf.pdf(wo, wi)),
-            };
-            let unshadowed = scattered * light.radiance * (share / pdf);
-            let beyond = wo.z * wi.z < 0.0;
-            (!unshadowed.is_black()).then_some((light, unshadowed, beyond))
+        let Some((emitter, pmf)) = self.selection.select(from, sampler.d1(bounce.light())) else {
+            return Spectrum::BLACK;
         };
-        let Some((light, unshadowed, beyond)) = arriving() else { return Spectrum::BLACK };
+        let light_point = sampler.d2(bounce.light_point());
+        let Some(light) = scene.emitters()[emitter].sample(from, light_point) else {
+            return Spectrum::BLACK;
+        };
+        let (wo, wi) = (at.wo_local(), at.shading.to_local(light.wi));
+        let (scattered, bsdf_pdf) = material.bsdf.eval_cos_pdf(wo, wi);
+        let pdf = pmf * light.pdf;
+        let share = match self.strategy {
+            _ if light.delta => 1.0,
+            Strategy::LightOnly => 1.0,
+            Strategy::BsdfOnly => 0.0,
+            Strategy::Both => self.heuristic.share(pdf, bsdf_pdf),
+        };
+        let unshadowed = scattered * light.radiance * (share / pdf);
+        if unshadowed.is_black() {
+            return Spectrum::BLACK;
+        }
+
+        // Nothing may be in its way, on the side that it comes from.
+        let beyond = wo.z * wi.z < 0.0;
         let origin = if translucent { at.surface_origin(beyond) } else { from };
         *rays += 1;
         if scene.occluded(&light.shadow_ray(origin)) {
