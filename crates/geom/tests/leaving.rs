@@ -210,7 +210,7 @@ fn surfaces_that_touch_are_told_of() {
             let ends = [-way, way].map(|way| offset_origin(hit.position, hit.normal, way));
             let mut met = vec![];
             scene.at_the_same_place(&ray, &hit, ends, |primitive, front| {
-                met.push((primitive, front))
+                met.push((primitive, front));
             });
             met.sort_unstable();
             assert_eq!(met, [(0, false), (1, true)], "{i}: {a} {b} {c} {hit:?}");

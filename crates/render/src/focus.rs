@@ -55,7 +55,8 @@ impl Prepared {
         let (mut media, mut path_length) = (self.camera_media(), 0.0_f64);
         for bounces in 0..=MAX_BOUNCES {
             let (start, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-            let met = follow(self, &mut ray, &mut media, &mut 0, &mut |_| {}).met?;
+            let mut made = None;
+            let met = follow(self, &mut ray, &mut media, &mut made, &mut 0, &mut |_| {}).met?;
             let (hit, at) = (&met.hit, &met.at);
             let distance = start.distance(hit.position.as_dvec3());
             path_length += distance;

@@ -11,16 +11,15 @@ use crate::interaction::SurfaceInteraction;
 use crate::medium::Media;
 use crate::prepare::{Prepared, PreparedMaterial};
 use rutilant_geom::{Hit, Ray, offset_origin, real};
-use std::borrow::Cow;
 
 /// The way of a ray to the next surface.
-pub(crate) struct Way<'s> {
+pub(crate) struct Way<'p> {
     /// The part of the light that is left after it.
     pub(crate) through: Spectrum,
     /// True when the ray went through surfaces that are no borders.
     pub(crate) passed: bool,
     /// The surface; `None` for the sky.
-    pub(crate) met: Option<Met<'s>>,
+    pub(crate) met: Option<Met<'p>>,
 }
 
 /// A surface that glows and lets rays pass, on the way of one.
@@ -33,11 +32,18 @@ pub(crate) struct Glowing<'a> {
 }
 
 /// A surface, and how it scatters where it was met.
-pub(crate) struct Met<'s> {
+pub(crate) struct Met<'p> {
     pub(crate) hit: Hit,
     pub(crate) at: SurfaceInteraction,
-    pub(crate) material: Cow<'s, PreparedMaterial>,
+    pub(crate) material: &'p PreparedMaterial,
     /// What a ray is inside of that goes through, where that is more than the border's far side.
+    beyond: Option<&'p Media>,
+}
+
+/// Room for a material that is made for one hit. It belongs to the caller, so that the many
+/// materials that are not need not be moved about.
+pub(crate) struct Made {
+    material: PreparedMaterial,
     beyond: Option<Media>,
 }
 
@@ -49,39 +55,41 @@ const PASSES: u32 = 10_000;
 /// straight piece; `media` becomes what is on this side of the surface. Counts the rays it traces,
 /// and tells `glowing` what shines on the way.
 #[inline(always)]
-pub(crate) fn follow<'s>(
-    scene: &'s Prepared,
+pub(crate) fn follow<'p>(
+    scene: &'p Prepared,
     ray: &mut Ray,
     media: &mut Media,
+    made: &'p mut Option<Made>,
     rays: &mut u64,
     glowing: &mut dyn FnMut(&Glowing<'_>),
-) -> Way<'s> {
+) -> Way<'p> {
     *rays += 1;
     let Some(hit) = scene.closest(ray) else { return to_the_sky(media) };
     let at = scene.interaction(&hit, ray.direction);
     let material = scene.material(&at);
     if material.depends_on_place() {
-        return follow_through(scene, hit, at, ray, media, rays, glowing);
+        return follow_through(scene, hit, at, ray, media, made, rays, glowing);
     }
     if let Some(border) = &material.border {
         media.arrive_declared(border, at.wo_local().z > 0.0);
     }
     let through = transmittance(media.absorption, hit.t);
-    let material = Cow::Borrowed(material);
     Way { through, passed: false, met: Some(Met { hit, at, material, beyond: None }) }
 }
 
 /// The same from the first surface on, whatever it is. Apart, so that the common way stays short.
 #[inline(never)]
-fn follow_through<'s>(
-    scene: &'s Prepared,
+#[expect(clippy::too_many_arguments, reason = "the state of `follow`, and nothing else")]
+fn follow_through<'p>(
+    scene: &'p Prepared,
     mut hit: Hit,
     mut at: SurfaceInteraction,
     ray: &mut Ray,
     media: &mut Media,
+    made: &'p mut Option<Made>,
     rays: &mut u64,
     glowing: &mut dyn FnMut(&Glowing<'_>),
-) -> Way<'s> {
+) -> Way<'p> {
     let (mut through, mut passed) = (Spectrum::WHITE, false);
     for _ in 0..PASSES {
         let material = scene.material(&at);
@@ -98,7 +106,11 @@ fn follow_through<'s>(
                     media.arrive_declared(border, from_front);
                 }
                 through *= transmittance(media.absorption, hit.t);
-                let material = scene.material_at(&hit, material);
+                let custom = scene.custom_at(&hit, material);
+                let material = match custom {
+                    None => material,
+                    Some(material) => &made.insert(Made { material, beyond: None }).material,
+                };
                 return Way { through, passed, met: Some(Met { hit, at, material, beyond: None }) };
             };
 
@@ -112,8 +124,10 @@ fn follow_through<'s>(
             let (here, beyond) = media.arrive(&border, rank, from_front, also, table);
             through *= transmittance(media.absorption, hit.t);
             if here.interior.ior != here.exterior.ior {
-                let material = Cow::Owned(material.between(here));
-                let met = Met { hit, at, material, beyond: Some(beyond) };
+                let material = material.between(here);
+                let Made { material, beyond } =
+                    made.insert(Made { material, beyond: Some(beyond) });
+                let met = Met { hit, at, material, beyond: beyond.as_ref() };
                 return Way { through, passed, met: Some(met) };
             }
 
@@ -133,14 +147,14 @@ fn follow_through<'s>(
 }
 
 /// The way to where there is no surface any more.
-fn to_the_sky<'s>(media: &Media) -> Way<'s> {
+fn to_the_sky<'p>(media: &Media) -> Way<'p> {
     Way { through: transmittance(media.absorption, f32::INFINITY), passed: false, met: None }
 }
 
 impl Met<'_> {
     /// What is absorbed on the other side of the surface, in 1/m.
     pub(crate) fn absorption_beyond(&self, media: &Media) -> Spectrum {
-        match (&self.beyond, &self.material.border) {
+        match (self.beyond, &self.material.border) {
             (Some(beyond), _) => beyond.absorption,
             (None, Some(border)) => media.beyond_declared(border, self.at.wo_local().z > 0.0),
             (None, None) => media.absorption,
@@ -149,7 +163,7 @@ impl Met<'_> {
 
     /// Notes in `media` that a scattered ray has gone through the surface.
     pub(crate) fn cross(&self, media: &mut Media) {
-        match (&self.beyond, &self.material.border) {
+        match (self.beyond, &self.material.border) {
             (Some(beyond), _) => *media = *beyond,
             (None, Some(border)) => media.pass_declared(border, self.at.wo_local().z > 0.0),
             (None, None) => {}

@@ -26,7 +26,6 @@ use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, Custom, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform,
     Vec2, Vec3, offset_origin,
 };
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -358,16 +357,15 @@ impl Prepared {
         &self.materials[interaction.material as usize]
     }
 
-    /// The same material as it is where it was hit: a custom one tells.
-    pub(crate) fn material_at<'s>(
-        &'s self,
+    /// A custom material as it is where it was hit; `None` for all others.
+    pub(crate) fn custom_at(
+        &self,
         hit: &Hit,
-        material: &'s PreparedMaterial,
-    ) -> Cow<'s, PreparedMaterial> {
-        let Some(custom) = material.custom else { return Cow::Borrowed(material) };
+        material: &PreparedMaterial,
+    ) -> Option<PreparedMaterial> {
+        let custom = &self.custom_materials[material.custom? as usize];
         let point = SurfacePoint { position: hit.position, normal: hit.normal, uv: self.uv(hit) };
-        let bsdf = self.custom_materials[custom as usize].bsdf(&point);
-        Cow::Owned(PreparedMaterial { bsdf, ..*material })
+        Some(PreparedMaterial { bsdf: custom.bsdf(&point), ..*material })
     }
 
     /// Everything that shines.

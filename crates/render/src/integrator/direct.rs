@@ -29,7 +29,8 @@ impl Integrator for Direct {
     ) -> Spectrum {
         let (mut ray, mut media) = (ray, scene.camera_media());
         let mut radiance = Spectrum::BLACK;
-        let way = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+        let mut made = None;
+        let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |glowing| {
             radiance += emitted(SeenEmission::of_surface(scene, glowing.at)) * glowing.through;
         });
         let Some(met) = way.met else {
@@ -78,7 +79,8 @@ impl Integrator for Direct {
                         || seen.light_pdf(scene, &self.selection, from, direction) == 0.0
                 }))
             };
-            let onward = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+            let mut made = None;
+            let onward = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |glowing| {
                 let seen = SeenEmission::of_surface(scene, glowing.at);
                 radiance += unsampled(seen, glowing.beyond_passed) * weight * glowing.through;
             });

@@ -35,7 +35,8 @@ impl Integrator for Naive {
         let mut media = scene.camera_media();
         let mut ray = camera_ray;
         for depth in 1..=self.max_depth {
-            let way = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+            let mut made = None;
+            let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |glowing| {
                 if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
                     radiance += throughput * glowing.through * emission.radiance;
                 }

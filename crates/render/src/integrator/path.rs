@@ -62,7 +62,8 @@ impl Integrator for Path {
         for depth in 1..=self.max_depth {
             // Find the next surface, or leave the scene, and lose what the media on the way take.
             let direction = ray.direction;
-            let way = follow(scene, &mut ray, &mut media, rays, &mut |glowing| {
+            let mut made = None;
+            let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |glowing| {
                 if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
                     let previous = previous.as_ref().filter(|_| !glowing.beyond_passed);
                     let seen = self.weighted(scene, &emission, direction, previous);
@@ -81,7 +82,7 @@ impl Integrator for Path {
                 }
                 break;
             };
-            let (at, material) = (&met.at, &*met.material);
+            let (at, material) = (&met.at, met.material);
             let wo = at.wo_local();
 
             // Light that starts here, weighted against having been chosen by light sampling.
