@@ -480,9 +480,9 @@ fn panes_sum_what_goes_to_and_fro() {
             for bounce in 0..200 {
                 let out = inside * (1.0 - r);
                 if bounce % 2 == 0 {
-                    passed += out
+                    passed += out;
                 } else {
-                    reflected += out
+                    reflected += out;
                 }
                 inside *= r * left;
             }
