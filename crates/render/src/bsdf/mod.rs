@@ -34,6 +34,8 @@ use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
 
 /// One way of scattering.
+///
+/// What rough lobes do is called and not inlined here: simple ones would pay for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lobe {
     /// Diffuse reflection.
