@@ -11,7 +11,7 @@ fn scenes_look_as_in_another_renderer() {
         eprintln!("SKIPPED: RUTILANT_DATA names no folder with the reference pictures");
         return;
     };
-    for reference in references::ALL {
+    for reference in references::ALL.iter().filter(|reference| reference.same) {
         match reference.measure(&data, 1, 32, 2).unwrap() {
             None => eprintln!("SKIPPED: {} is absent", reference.picture),
             Some(measured) => assert!(measured.agrees(), "{}: {measured:?}", reference.name),

@@ -108,6 +108,28 @@ mod tests {
         }
     }
 
+    /// Sobol's second dimension by its definition: direction numbers from the recurrence of the
+    /// polynomial x + 1 (Sobol 1967), m₁ = 1 and mₖ = 2 mₖ₋₁ ⊕ mₖ₋₁, one for each bit of the
+    /// index. The butterflies must give the same points.
+    #[test]
+    fn the_second_dimension_is_that_of_direction_numbers() {
+        let mut directions = [0_u32; 32];
+        let mut m = 1_u32;
+        for (k, direction) in directions.iter_mut().enumerate() {
+            *direction = m << (31 - k);
+            m ^= m << 1;
+        }
+        let defined = |index: u32| {
+            let chosen = directions.iter().enumerate().filter(|(k, _)| index >> k & 1 == 1);
+            chosen.fold(0, |point, (_, direction)| point ^ direction)
+        };
+        // The first points by hand: 0, 1/2, 3/4, 1/4.
+        assert_eq!([0, 1, 2, 3].map(|i| defined(i) >> 30), [0, 2, 3, 1]);
+        for i in (0..5000).chain((0..5000).map(|i| u32::MAX - i * 856_437)) {
+            assert_eq!(second_dimension(i).reverse_bits(), defined(i), "{i}");
+        }
+    }
+
     /// The same in one dimension.
     #[test]
     fn single_numbers_are_stratified() {
