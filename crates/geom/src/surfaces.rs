@@ -189,16 +189,13 @@ impl Surfaces {
         let triangle_ray = TriangleRay::new(ray);
         // What the nearest custom shape said. If that is the closest of all, it is needed again.
         let mut custom: Option<(u32, CustomHit)> = None;
-        let closest = self.bvh.closest(ray, |place| match self.leaves[place] {
-            Leaf::Triangle(indices) => {
+        let closest = self.bvh.closest(ray, |place| {
+            // Triangles first: most are.
+            if let Leaf::Triangle(indices) = self.leaves[place] {
                 let [a, b, c] = indices.map(|i| self.positions[i as usize]);
-                triangle_ray.intersect(a, b, c).map(|hit| (hit.t, [hit.u, hit.v]))
+                return triangle_ray.intersect(a, b, c).map(|hit| (hit.t, [hit.u, hit.v]));
             }
-            Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).map(|t| (t, [0.0, 0.0])),
-            Leaf::Disk(i) => {
-                self.disks[i as usize].intersect(ray).map(|hit| (hit.t, [hit.a, hit.b]))
-            }
-            Leaf::Custom(i) => self.meet_custom(i, ray, &mut custom),
+            self.meet_other(place, ray, &mut custom)
         })?;
 
         // Where exactly, in double precision; rounded once at the end.
@@ -226,14 +223,12 @@ impl Surfaces {
     /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
     pub fn occluded(&self, ray: &Ray) -> bool {
         let triangle_ray = TriangleRay::new(ray);
-        self.bvh.occluded(ray, |place| match self.leaves[place] {
-            Leaf::Triangle(indices) => {
+        self.bvh.occluded(ray, |place| {
+            if let Leaf::Triangle(indices) = self.leaves[place] {
                 let [a, b, c] = indices.map(|i| self.positions[i as usize]);
-                triangle_ray.intersect(a, b, c).is_some()
+                return triangle_ray.intersect(a, b, c).is_some();
             }
-            Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).is_some(),
-            Leaf::Disk(i) => self.disks[i as usize].intersect(ray).is_some(),
-            Leaf::Custom(i) => self.meet_custom(i, ray, &mut None).is_some(),
+            self.meet_other(place, ray, &mut None).is_some()
         })
     }
 
@@ -298,21 +293,30 @@ impl Surfaces {
         });
     }
 
-    /// Meets a custom shape, and keeps what it said if that is nearer than `nearest`. Apart, so
-    /// that the loops over the common surfaces stay tight.
-    #[cold]
+    /// Meets what is no triangle. Of custom shapes it keeps what they said, if that is nearer than
+    /// `nearest`. Apart, so that the loop over triangles stays tight.
     #[inline(never)]
-    fn meet_custom(
+    fn meet_other(
         &self,
-        i: u32,
+        place: usize,
         ray: &Ray,
         nearest: &mut Option<(u32, CustomHit)>,
     ) -> Option<(f64, [f64; 2])> {
-        let hit = self.customs[i as usize].intersect(ray)?;
-        if nearest.is_none_or(|(j, nearest)| (hit.t, i) < (nearest.t, j)) {
-            *nearest = Some((i, hit));
+        match self.leaves[place] {
+            // Met by those who call this, with what they know of the ray.
+            Leaf::Triangle(_) => None,
+            Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).map(|t| (t, [0.0, 0.0])),
+            Leaf::Disk(i) => {
+                self.disks[i as usize].intersect(ray).map(|hit| (hit.t, [hit.a, hit.b]))
+            }
+            Leaf::Custom(i) => {
+                let hit = self.customs[i as usize].intersect(ray)?;
+                if nearest.is_none_or(|(j, nearest)| (hit.t, i) < (nearest.t, j)) {
+                    *nearest = Some((i, hit));
+                }
+                Some((hit.t, hit.uv))
+            }
         }
-        Some((hit.t, hit.uv))
     }
 }
 

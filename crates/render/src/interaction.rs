@@ -56,6 +56,7 @@ impl SurfaceInteraction {
     }
 
     /// `wo` in the shading frame. Its z is positive exactly on the front.
+    #[inline]
     pub fn wo_local(&self) -> Vec3 {
         self.shading.to_local(self.wo)
     }

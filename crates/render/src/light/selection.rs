@@ -48,6 +48,7 @@ impl EmitterSelection {
     }
 
     /// The number of an emitter that may light `from`, and the probability of this choice.
+    #[inline]
     pub fn select(&self, _from: Vec3, u: f32) -> Option<(usize, f32)> {
         match self {
             Self::None => None,
@@ -63,6 +64,7 @@ impl EmitterSelection {
     }
 
     /// The probability of choosing `emitter` at `from`.
+    #[inline]
     pub fn pmf(&self, _from: Vec3, emitter: usize) -> f32 {
         match self {
             Self::None => 0.0,
