@@ -84,7 +84,10 @@ const AFTER_HEAD: &[(&str, &str)] = &[
         "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"gold\"",
         r#":11:12: no material "gold"; there is only grey"#,
     ),
-    ("[[material]]\nname = \"g\"\ntype = \"conductor\"", r#":8:1: a conductor needs "eta""#),
+    (
+        "[[material]]\nname = \"g\"\ntype = \"conductor\"",
+        r#":8:1: a conductor needs "metal" or "eta""#,
+    ),
     (
         "[[material]]\nname = \"m\"\ntype = \"mix\"\nfirst = \"grey\"\nsecond = \"grey\"\namount = 2",
         ":13:10: amount is 2, but must lie between 0 and 1",

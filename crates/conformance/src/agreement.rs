@@ -207,9 +207,12 @@ mod tests {
     /// at 4.416, and a chi-square of 135.81 with 100 degrees of freedom.
     #[test]
     fn probabilities_are_those_of_the_tables() {
-        let near = |p: f64, expected: f64| assert!((p / expected - 1.0).abs() < 2e-3, "{p}");
-        near(two_sided(2.5758), 0.01);
-        near(any_of(two_sided(4.4164), 1000), 0.01);
-        near(two_sided(chi_square_z(100.0, 135.807)) / 2.0, 0.01);
+        let near = |p: f64, expected: f64, within: f64| {
+            assert!((p / expected - 1.0).abs() < within, "{p}, expected {expected}");
+        };
+        near(two_sided(2.5758), 0.01, 1e-3);
+        near(any_of(two_sided(4.4164), 1000), 0.01, 1e-3);
+        // The cube root is an approximation: good to half a per cent here.
+        near(two_sided(chi_square_z(100.0, 135.807)) / 2.0, 0.01, 5e-3);
     }
 }
