@@ -34,6 +34,8 @@ pub(crate) struct Border {
     pub(crate) interior: PreparedMedium,
     /// In front of it; for a medium with a priority where no other is.
     pub(crate) exterior: PreparedMedium,
+    /// The number of the material.
+    pub(crate) material: u32,
     /// The number of the interior in the table of media with a priority: the smaller the stronger.
     pub(crate) rank: Option<u32>,
 }
@@ -54,9 +56,9 @@ pub(crate) struct Media {
     inside: [Inside; Self::MOST],
     /// How many of these there are.
     count: usize,
-    /// What absorbs around each medium without a priority that the ray is inside of, the
-    /// outermost first.
-    around: [Spectrum; Self::MOST_DECLARED],
+    /// The materials without a priority that the ray went into by their fronts and has not left,
+    /// the latest last, and what absorbed around them.
+    around: [(u32, Spectrum); Self::MOST_DECLARED],
     /// How many of these there are.
     declared: usize,
 }
@@ -73,7 +75,7 @@ impl Media {
     /// So many media with a priority can overlap at one point; of more, the weakest are overlooked.
     pub(crate) const MOST: usize = 8;
 
-    /// So many media without a priority can lie in each other; of more, the outermost is forgotten.
+    /// So many media without a priority can lie in each other; of more, the outermost are forgotten.
     const MOST_DECLARED: usize = 4;
 
     /// Inside of nothing.
@@ -81,7 +83,7 @@ impl Media {
         absorption: Spectrum::BLACK,
         inside: [Inside { rank: 0, times: 0 }; Self::MOST],
         count: 0,
-        around: [Spectrum::BLACK; Self::MOST_DECLARED],
+        around: [(0, Spectrum::BLACK); Self::MOST_DECLARED],
         declared: 0,
     };
 
@@ -103,21 +105,28 @@ impl Media {
                 self.around.copy_within(1.., 0);
                 self.declared -= 1;
             }
-            self.around[self.declared] = self.absorption;
+            self.around[self.declared] = (border.material, self.absorption);
             self.declared += 1;
-        } else {
-            self.declared = self.declared.saturating_sub(1);
+        } else if let Some(entered) = self.entered(border) {
+            self.declared = entered;
         }
         self.absorption = beyond;
     }
 
-    /// What absorbs behind a border without a priority, or in front of it.
+    /// What absorbs behind a border without a priority, or in front of it: there what did so when
+    /// it was entered, unless the border knows better.
     pub(crate) fn beyond_declared(&self, border: &Border, from_front: bool) -> Spectrum {
         let known = border.absorption(!from_front);
-        match self.around[..self.declared].last() {
-            Some(around) if !from_front && known.is_black() => *around,
-            _ => known,
+        if from_front || !known.is_black() {
+            return known;
         }
+        self.entered(border).map_or(known, |entered| self.around[entered].1)
+    }
+
+    /// Where in the list it stands that the ray went into this border's material. Bodies whose
+    /// sides are of several materials are entered by one and left by another.
+    fn entered(&self, border: &Border) -> Option<usize> {
+        self.around[..self.declared].iter().rposition(|(m, _)| *m == border.material)
     }
 
     /// Notes that the ray has come to `border`, of this rank, and gives it as it is here, with the
@@ -142,7 +151,7 @@ impl Media {
         let near = self.fill(&border.exterior, table);
         let far = beyond.fill(&border.exterior, table);
         let (exterior, interior) = if from_front { (near, far) } else { (far, near) };
-        (Border { interior, exterior, rank: Some(rank) }, beyond)
+        (Border { interior, exterior, ..*border }, beyond)
     }
 
     /// Finds what fills the place: the strongest medium, and `outside` where there is none.
@@ -206,8 +215,12 @@ mod tests {
     /// The indices in front and behind, after passing through.
     fn through(media: &mut Media, rank: u32, entering: bool) -> [f32; 2] {
         let table: Vec<_> = (0..99).map(|rank| medium(2.0 + rank as f32)).collect();
-        let border =
-            Border { interior: table[rank as usize], exterior: medium(1.0), rank: Some(rank) };
+        let border = Border {
+            interior: table[rank as usize],
+            exterior: medium(1.0),
+            material: 0,
+            rank: Some(rank),
+        };
         let (here, beyond) = media.arrive(&border, rank, entering, |_| {}, &table);
         *media = beyond;
         let around =
@@ -238,7 +251,8 @@ mod tests {
     #[test]
     fn bodies_that_touch_meet_each_other() {
         let table: Vec<_> = (0..2).map(|rank| medium(2.0 + rank as f32)).collect();
-        let border = Border { interior: table[0], exterior: medium(1.0), rank: Some(0) };
+        let border =
+            Border { interior: table[0], exterior: medium(1.0), material: 0, rank: Some(0) };
         for (other, expected) in [(1, 3.0), (0, 2.0)] {
             let mut media = Media::NONE;
             media.enter(0);

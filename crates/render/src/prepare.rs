@@ -21,7 +21,7 @@ use crate::material::{
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::scene::{MaterialId, Scene, SceneProblem};
 use crate::shape::{Mesh, Object, Shape};
-use crate::winding::inside_out;
+use crate::winding::{Enclosure, enclosures};
 use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, Custom, DVec3, Disk, Hit, Ray, Sphere, Surfaces, Transform,
     Vec2, Vec3, offset_origin,
@@ -83,6 +83,8 @@ pub struct PrepareReport {
 #[derive(Clone, Debug)]
 struct PreparedObject {
     material: u32,
+    /// It encloses a space by itself.
+    closed: bool,
     emitters: ObjectEmitters,
     first_primitive: u32,
     first_vertex: u32,
@@ -269,18 +271,19 @@ impl Prepared {
         let (mut media, mut first) = (Media::NONE, None);
         let mut entered = BTreeMap::<u32, u32>::new();
         // Without a priority: how often each material was entered, and what is left by its back
-        // without having been entered, the innermost first.
+        // without having been entered, the innermost first. Open sheets enclose nothing; the
+        // first of them tells where it stands.
         let (mut entered_declared, mut around) = (BTreeMap::<u32, u32>::new(), Vec::new());
         for _ in 0..SURFACES {
             let Some(hit) = self.closest(&ray) else { break };
-            let number = self.object(&hit).material;
+            let &PreparedObject { material: number, closed, .. } = self.object(&hit);
             let material = &self.materials[number as usize];
             let from_front = hit.normal.dot(ray.direction) < 0.0;
             let across = |direction| offset_origin(hit.position, hit.normal, direction);
             let ends = [across(-ray.direction), across(ray.direction)];
             if let Some(border) = material.border {
                 first = first.or(Some((border, from_front)));
-                if border.rank.is_none() {
+                if border.rank.is_none() && closed {
                     let entered = entered_declared.entry(number).or_default();
                     match (from_front, *entered) {
                         (true, _) => *entered += 1,
@@ -414,14 +417,14 @@ struct Assembly {
     uvs: Vec<Vec2>,
     emitters: Vec<Emitter>,
     some_pass: bool,
-    /// The objects that have to be turned for glass to be inside.
-    inside_out: Vec<bool>,
+    /// What each object encloses.
+    enclosures: Vec<Enclosure>,
     notes: Vec<String>,
 }
 
 impl Assembly {
     fn finish(mut self, scene: &Scene, options: &BuildOptions) -> Prepared {
-        self.inside_out = inside_out(scene);
+        self.enclosures = enclosures(scene);
         for (number, object) in scene.objects.iter().enumerate() {
             self.add(number, object, scene);
         }
@@ -516,6 +519,7 @@ impl Assembly {
         let world_from_object = &object.world_from_object;
         let mut prepared = PreparedObject {
             material: object.material.0,
+            closed: self.enclosures[number].closed,
             emitters: ObjectEmitters::None,
             first_primitive: self.triangles.len() as u32,
             first_vertex: self.positions.len() as u32,
@@ -609,7 +613,7 @@ impl Assembly {
         if transform.mirrors() {
             self.turn(first_triangle);
         }
-        if self.inside_out.get(number) == Some(&true) {
+        if self.enclosures[number].inside_out {
             self.turn(first_triangle);
             let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
             self.notes.push(format!(
@@ -776,7 +780,8 @@ fn prepare_materials(all: &[Material]) -> (Vec<PreparedMaterial>, Vec<Arc<dyn Cu
                     absorption: m.absorption.coefficient(),
                 };
                 let (interior, exterior) = (medium(&d.interior), medium(&d.exterior));
-                prepared.border = Some(Border { interior, exterior, rank: ranks.get(&i).copied() });
+                let rank = ranks.get(&i).copied();
+                prepared.border = Some(Border { interior, exterior, material: i as u32, rank });
             }
             MaterialKind::Mix(mix) => {
                 let part =

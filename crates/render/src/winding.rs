@@ -14,9 +14,18 @@ use crate::scene::Scene;
 use crate::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec3};
 
-/// For each object of a valid scene, whether its triangles have to be turned for glass to be inside.
-pub(crate) fn inside_out(scene: &Scene) -> Vec<bool> {
-    let mut turned = Vec::with_capacity(scene.objects.len());
+/// What an object encloses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Enclosure {
+    /// It encloses a space by itself.
+    pub(crate) closed: bool,
+    /// Its triangles have to be turned for glass to be inside.
+    pub(crate) inside_out: bool,
+}
+
+/// For each object of a valid scene what it encloses, as far as light can go into it.
+pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
+    let mut enclosures = Vec::with_capacity(scene.objects.len());
     let same_place = |a: &Object, b: &Object| {
         a.world_from_object == b.world_from_object
             && glass_mesh(a, scene).is_some()
@@ -30,13 +39,25 @@ pub(crate) fn inside_out(scene: &Scene) -> Vec<bool> {
             meshes.map(|mesh| mesh.map(|mesh| Winding::of(mesh, origin))).collect();
         let open = windings.iter().flatten().filter(|winding| !winding.is_closed());
         let together = open.fold(Winding::default(), Winding::and);
-        turned.extend(windings.iter().map(|winding| match winding {
-            None => false,
-            Some(closed) if closed.is_closed() => closed.volume < 0.0,
-            Some(_) => together.is_closed() && together.volume < 0.0,
+        enclosures.extend(group.iter().zip(&windings).map(|(object, winding)| match winding {
+            Some(winding) => {
+                let closed = winding.is_closed();
+                let decides = if closed { winding } else { &together };
+                let inside_out = decides.is_closed() && decides.volume < 0.0;
+                Enclosure { closed, inside_out }
+            }
+            None => Enclosure { closed: is_closed_shape(&object.shape), inside_out: false },
         }));
     }
-    turned
+    enclosures
+}
+
+/// True for shapes that are no meshes and have an inside.
+fn is_closed_shape(shape: &Shape) -> bool {
+    match shape {
+        Shape::Sphere { .. } | Shape::Box { .. } | Shape::Custom(_) => true,
+        Shape::Rectangle { .. } | Shape::Disk { .. } | Shape::Mesh(_) => false,
+    }
 }
 
 /// The mesh of an object that light can go into.
