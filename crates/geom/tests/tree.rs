@@ -1,7 +1,5 @@
 //! The tree is sound, whatever it is built from.
 
-#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
-
 mod common;
 
 use common::{Random, aimed_ray, meshes};
