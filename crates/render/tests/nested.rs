@@ -473,3 +473,32 @@ fn direct_light_fades_under_a_hollow() {
         "{faded} ± {error}, expected {expected}"
     );
 }
+
+/// A pane of glass with water behind it, modelled by its borders alone: air to glass, glass to
+/// water, water to air, each a sheet. A camera in the air sees the sky beside it as it is,
+/// although the water is left on the axis by a border that was never entered.
+#[test]
+fn borders_modelled_one_by_one_leave_the_camera_in_the_air() {
+    let sheet = |scene: &mut Scene, z: f32, interior: Medium, exterior: Medium, turned: bool| {
+        let material =
+            scene.add_material(Dielectric { interior, exterior, ..Dielectric::new(1.0) });
+        let turn = Transform::rotate_degrees(Vec3::Y, if turned { 180.0 } else { 0.0 });
+        let place = Transform::translate(Vec3::new(0.0, 0.0, z)) * turn;
+        let shape = Shape::Rectangle { size: Vec2::splat(2.0) };
+        scene.objects.push(Object::new(shape, material).transformed(&place));
+    };
+    let coloured =
+        |ior, sigma| Medium { ior, absorption: Absorption::Coefficient(Rgb::grey(sigma)) };
+    let (glass, water) = (coloured(1.5, 1.0), coloured(1.33, 2.0));
+    // As scenes in files say it: an exterior has an index, and no colour.
+    let water_unsaid = coloured(1.33, 0.0);
+    for exterior in [water, water_unsaid] {
+        let mut scene = seen_from(Vec3::Z * 3.0, Vec3::ZERO, 1.5);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        sheet(&mut scene, 0.4, glass, Medium::AIR, false);
+        sheet(&mut scene, 0.0, glass, exterior, true);
+        sheet(&mut scene, -1.0, water, Medium::AIR, true);
+        let image = render(&scene, small(16));
+        assert_eq!(image.channel("G").unwrap()[0], 1.0, "{exterior:?}");
+    }
+}
