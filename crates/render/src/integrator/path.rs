@@ -32,14 +32,12 @@ pub(crate) struct Path {
     pub(crate) max_depth: u32,
 }
 
-/// The surface that a path last left.
+/// The surface that a path last left, where light sampling could have found what is met next.
 struct Previous {
     /// Where.
     position: Vec3,
     /// The density of the direction taken, in 1/sr.
     pdf: f32,
-    /// True when light sampling could not have found what is met there.
-    delta: bool,
 }
 
 impl Integrator for Path {
@@ -113,7 +111,7 @@ impl Integrator for Path {
             let crossed = sample.is_transmission(wo);
             ray = at.scattered_ray(&material.bsdf, &sample, crossed);
             previous =
-                Some(Previous { position: ray.origin, pdf: sample.pdf, delta: sample.delta });
+                (!sample.delta).then_some(Previous { position: ray.origin, pdf: sample.pdf });
             if crossed {
                 met.cross(&mut media);
                 density_gain *= sample.eta * sample.eta;
@@ -133,7 +131,8 @@ impl Integrator for Path {
 }
 
 impl Path {
-    /// Emission that a ray in this direction ran into, times the share that BSDF sampling has in finding it.
+    /// Emission that a ray in this direction ran into, times the share that BSDF sampling has in
+    /// finding it; all of it without a `previous` surface.
     fn weighted(
         &self,
         scene: &Prepared,
@@ -143,7 +142,6 @@ impl Path {
     ) -> Spectrum {
         let share = match previous {
             None => 1.0,
-            Some(p) if p.delta => 1.0,
             Some(p) => {
                 let light_pdf = || seen.light_pdf(scene, &self.selection, p.position, direction);
                 match self.strategy {

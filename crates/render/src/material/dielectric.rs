@@ -10,7 +10,8 @@ use rutilant_geom::real;
 pub struct Dielectric {
     /// What is inside, glass of index 1.5 for example.
     pub interior: Medium,
-    /// What is outside, most often air.
+    /// What is outside, most often air. If nothing absorbs there, what absorbed around the body
+    /// before it was entered goes on doing so.
     pub exterior: Medium,
     /// How the reflected part is computed; exactly where the border is rough.
     pub fresnel: Fresnel,
