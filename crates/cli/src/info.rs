@@ -234,7 +234,7 @@ fn kinds_of_lights(scene: &Scene) -> Vec<&'static str> {
     });
     let sky = scene.environment.iter().map(|e| match e.light {
         EnvironmentLight::Constant(_) => "even sky",
-        EnvironmentLight::Image(_) => "sky image",
+        EnvironmentLight::Image { .. } => "sky image",
     });
     glowing.chain(lights).chain(sky).collect()
 }

@@ -7,7 +7,7 @@ use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::Environment;
+use rutilant::light::{Environment, Projection};
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Metal, Mirror, Mix,
     ThinDielectric,
@@ -260,19 +260,19 @@ fn balls_in_balls() -> Scene {
     s
 }
 
-/// A map of a sky, and lamps that shine to both sides under it.
+/// A sky on a cube, laid out as a cross, and lamps that shine to both sides under it.
 fn sky_and_lamps() -> Scene {
     let mut s = looking([0.0, 1.0, 4.0], [0.0, 0.5, 0.0]);
-    let (width, height) = (16_u32, 8_u32);
+    let (width, height) = (16_u32, 12_u32);
     let pixels: Vec<[f32; 3]> = (0..width * height)
         .map(|i| {
             let (x, y) = ((i % width) as f32, (i / width) as f32);
-            [0.1 * x, 0.4, 0.2 * (8.0 - y)]
+            [0.1 * x, 0.4, 0.15 * (12.0 - y)]
         })
         .collect();
     let image = Image::from_rgb(width, height, &pixels).expect("as many pixels as the size says");
     let image = s.add_image(image);
-    s.environment = Some(Environment { scale: 0.4, ..Environment::image(image) });
+    s.environment = Some(Environment { scale: 0.4, ..Environment::map(image, Projection::Cube) });
     let white = matte(&mut s, 0.8, 0.8, 0.8);
     let mirror = s.add_material(Mirror { reflectance: Rgb::grey(0.9) });
     let both =

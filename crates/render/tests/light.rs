@@ -4,15 +4,16 @@
 
 mod common;
 
-use common::{chi_square, family_wise, integrate_sphere, mean, random, render, small};
+use common::{chi_square, family_wise, integrate_sphere, mean, random, render, small, well_spread};
 use rutilant::Prepared;
 use rutilant::camera::Perspective;
 use rutilant::color::{Rgb, Spectrum};
-use rutilant::geom::{Ray, Transform, Vec2, Vec3};
+use rutilant::geom::{DVec3, Ray, Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::{Emitter, Environment, Light, SpotLight};
+use rutilant::light::{Emitter, Environment, Light, Projection, SpotLight};
 use rutilant::material::{Emission, EmittedLight, Matte};
-use rutilant::scene::Scene;
+use rutilant::math::warp;
+use rutilant::scene::{ImageId, Scene};
 use rutilant::settings::{SamplerKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
 
@@ -63,14 +64,129 @@ fn under(mut environment: Environment, rotation: f32, image: Option<Image>) -> S
     scene
 }
 
+/// Every way to lay a sky on a picture, with sizes of the picture.
+fn projections() -> [(&'static str, Projection, [u32; 2]); 10] {
+    [
+        ("latitude and longitude", Projection::Equirectangular, [24, 12]),
+        ("uneven latitude and longitude", Projection::Equirectangular, [7, 5]),
+        ("one pixel of latitude", Projection::Equirectangular, [1, 1]),
+        ("octahedron", Projection::Octahedral, [16, 16]),
+        ("uneven octahedron", Projection::Octahedral, [7, 7]),
+        ("lying cross", Projection::Cube, [32, 24]),
+        ("upright cross", Projection::Cube, [24, 32]),
+        ("strip", Projection::Cube, [42, 7]),
+        ("upright strip", Projection::Cube, [8, 48]),
+        ("six pixels of a cube", Projection::Cube, [6, 1]),
+    ]
+}
+
+/// A sky from a picture, on its own.
+fn mapped(projection: Projection, image: Image, rotation: f32) -> Scene {
+    under(Environment::map(ImageId(0), projection), rotation, Some(image))
+}
+
+fn sky_of(scene: &Prepared) -> &rutilant::light::EnvironmentEmitter {
+    match &scene.emitters()[0] {
+        Emitter::Environment(sky) => sky,
+        other => panic!("the sky is the only emitter, not {other:?}"),
+    }
+}
+
+/// The direction that a place of a picture shows, in f64; in pixels from the upper left corner.
+/// `None` where a cross is empty.
+fn shown(projection: Projection, [width, height]: [u32; 2], at: [f64; 2]) -> Option<DVec3> {
+    let pi = std::f64::consts::PI;
+    let [u, v] = [at[0] / f64::from(width), at[1] / f64::from(height)];
+    match projection {
+        Projection::Equirectangular => {
+            let (theta, phi) = (pi * v, pi * (2.0 * u - 1.0));
+            let away = theta.sin();
+            Some(DVec3::new(away * phi.sin(), theta.cos(), -away * phi.cos()))
+        }
+        Projection::Octahedral => {
+            // Rings of |x| + |y| = r around the middle, each part of them in proportion to its
+            // angle, and the area within in proportion to the solid angle.
+            let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+            let upper = x.abs() + y.abs() <= 1.0;
+            let (x1, y1) = if upper { (x.abs(), y.abs()) } else { (1.0 - y.abs(), 1.0 - x.abs()) };
+            let r = x1 + y1;
+            let phi = if r > 0.0 { 0.5 * pi * y1 / r } else { 0.0 };
+            let up = if upper { 1.0 - r * r } else { r * r - 1.0 };
+            let away = (1.0 - up * up).max(0.0).sqrt();
+            let (sx, sy) = (x.signum(), y.signum());
+            Some(DVec3::new(away * phi.cos() * sx, up, away * phi.sin() * sy))
+        }
+        Projection::Cube => {
+            let places: &[&str] = match (3 * width).cmp(&(4 * height)) {
+                std::cmp::Ordering::Equal => &[" T  ", "LFRB", " D  "],
+                _ if 4 * width == 3 * height => &[" T ", "LFR", " D ", " U "],
+                std::cmp::Ordering::Greater => &["RLTDFB"],
+                std::cmp::Ordering::Less => &["R", "L", "T", "D", "F", "B"],
+            };
+            let side = f64::from(width) / places[0].len() as f64;
+            let place = at.map(|a| (a / side).floor());
+            let (s, t) =
+                (2.0 * (at[0] / side - place[0]) - 1.0, 2.0 * (at[1] / side - place[1]) - 1.0);
+            let d = match places[place[1] as usize].as_bytes()[place[0] as usize] {
+                b'R' => DVec3::new(1.0, -t, -s),
+                b'L' => DVec3::new(-1.0, -t, s),
+                b'T' => DVec3::new(s, 1.0, t),
+                b'D' => DVec3::new(s, -1.0, -t),
+                b'F' => DVec3::new(s, -t, 1.0),
+                b'B' => DVec3::new(-s, -t, -1.0),
+                // The same face on its head.
+                b'U' => DVec3::new(s, t, -1.0),
+                _ => return None,
+            };
+            Some(d.normalize())
+        }
+    }
+}
+
+/// A picture of `size` pixels of what `light` is in each direction.
+fn painted(projection: Projection, size: [u32; 2], light: impl Fn(DVec3) -> [f64; 3]) -> Image {
+    let center = |i: u32| [f64::from(i % size[0]) + 0.5, f64::from(i / size[0]) + 0.5];
+    let pixel = |i| shown(projection, size, center(i)).map_or([0.0; 3], &light).map(|c| c as f32);
+    let pixels: Vec<[f32; 3]> = (0..size[0] * size[1]).map(pixel).collect();
+    Image::from_rgb(size[0], size[1], &pixels).unwrap()
+}
+
+/// What a single pixel of radiance 1 adds to an integral over all directions, of one of `values`
+/// each: its bilinear tent, integrated in f64. The pixels around it lie in the same chart.
+fn of_one_pixel<const N: usize>(
+    projection: Projection,
+    size: [u32; 2],
+    [column, row]: [u32; 2],
+    values: impl Fn(DVec3) -> [f64; N],
+) -> [f64; N] {
+    let (steps, h) = (400, 1e-4);
+    let mut sum = [0.0; N];
+    for i in 0..steps * steps {
+        let offset =
+            [i % steps, i / steps].map(|i| 2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0);
+        let at = [f64::from(column) + 0.5 + offset[0], f64::from(row) + 0.5 + offset[1]];
+        let near = |dx, dy| shown(projection, size, [at[0] + dx, at[1] + dy]).unwrap();
+        let (along_x, along_y) = (near(h, 0.0) - near(-h, 0.0), near(0.0, h) - near(0.0, -h));
+        let solid_angle = along_x.cross(along_y).length() / (4.0 * h * h);
+        let tent = (1.0 - offset[0].abs()) * (1.0 - offset[1].abs());
+        let share = tent * solid_angle * 4.0 / f64::from(steps * steps);
+        for (sum, value) in sum.iter_mut().zip(values(near(0.0, 0.0))) {
+            *sum += share * value;
+        }
+    }
+    sum
+}
+
 /// Every kind of emitter with a density, as a scene in which it is emitter 0, and a point it shines on.
 fn all() -> Vec<(&'static str, Scene, Vec3)> {
     let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));
     let tilted = at(0.2, 1.0, -1.5) * Transform::rotate(Vec3::new(1.0, 0.5, 0.2), 1.0);
     let mesh = Shape::Mesh(rutilant::scene::MeshId(0));
-    let map = || Environment::image(rutilant::scene::ImageId(0));
     let rectangle = || Shape::Rectangle { size: Vec2::new(0.8, 1.4) };
-    vec![
+    let turned = |(name, projection, [width, height]): (_, _, [u32; 2])| {
+        (name, mapped(projection, sky(width, height), 2.0), Vec3::ZERO)
+    };
+    let mut all = vec![
         ("triangle", glowing(mesh.clone(), at(0.0, 0.0, -1.0), false), Vec3::new(0.1, 0.2, 0.3)),
         (
             "triangle from behind",
@@ -105,10 +221,10 @@ fn all() -> Vec<(&'static str, Scene, Vec3)> {
             Vec3::ZERO,
         ),
         ("constant sky", under(Environment::constant(Rgb::WHITE), 0.0, None), Vec3::ZERO),
-        ("sky map", under(map(), 0.0, Some(sky(24, 12))), Vec3::ZERO),
-        ("turned sky map", under(map(), 2.0, Some(sky(7, 5))), Vec3::ZERO),
-        ("one texel", under(map(), 0.0, Some(sky(1, 1))), Vec3::ZERO),
-    ]
+        ("sky map", mapped(Projection::Equirectangular, sky(24, 12), 0.0), Vec3::ZERO),
+    ];
+    all.extend(projections().map(turned));
+    all
 }
 
 /// The density of the direction `wi` from `from`: that of the emitter where the ray meets it.
@@ -227,6 +343,10 @@ fn irradiance_has_its_closed_form() {
         let (x, y) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
         (a / x * (b / x).atan() + b / y * (a / y).atan()) / (2.0 * pi)
     };
+    let even = |(name, projection, [width, height]): (_, _, [u32; 2])| {
+        let white = vec![[1.0; 3]; (width * height) as usize];
+        (name, mapped(projection, Image::from_rgb(width, height, &white).unwrap(), 1.0), pi)
+    };
     let cases = [
         ("sphere", glowing(Shape::Sphere { radius: 0.5 }, facing(2.0), false), pi * 0.0625),
         ("tiny sphere", glowing(Shape::Sphere { radius: 1e-3 }, facing(2.0), false), pi * 0.25e-6),
@@ -254,12 +374,12 @@ fn irradiance_has_its_closed_form() {
         ("spot on its axis", point(spot([0.1, 0.4])), 1.0 / 9.0),
         ("spot at its edge", point(leaning), 0.5 * lean.cos() / 9.0),
     ];
-    for (name, scene, expected) in cases {
+    for (name, scene, expected) in cases.into_iter().chain(projections().map(even)) {
         let scene = Prepared::new(&scene).unwrap();
         let n = 1000_u32;
         let mut sum = 0.0;
         for i in 0..n * n {
-            let u = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
+            let (_, u) = well_spread(u64::from(i));
             if let Some(s) = scene.emitters()[0].sample(Vec3::ZERO, u) {
                 let [red, ..] = s.radiance.channels();
                 sum += f64::from(red * s.wi.z.max(0.0) / s.pdf);
@@ -273,36 +393,78 @@ fn irradiance_has_its_closed_form() {
     }
 }
 
-/// One bright texel: it shines from its own direction with its own solid angle.
+/// One bright texel of any map shines from its own direction with its own solid angle: a mirrored
+/// or turned map, or a density that lacks its Jacobian, shows here.
 #[test]
 fn one_texel_shines_from_its_place() {
-    let (width, height) = (64, 32);
-    let mut pixels = vec![[0.0; 3]; (width * height) as usize];
-    pixels[(5 * width + 40) as usize] = [100.0; 3];
-    let image = Image::from_rgb(width, height, &pixels).unwrap();
-    let scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(image));
-    let scene = Prepared::new(&scene).unwrap();
-    let pi = std::f64::consts::PI;
-    let theta = pi * 5.5 / 32.0;
-    let phi = pi * (2.0 * 40.5 / 64.0 - 1.0);
-    let center = Vec3::new(
-        (theta.sin() * phi.sin()) as f32,
-        theta.cos() as f32,
-        (-theta.sin() * phi.cos()) as f32,
-    );
-    let n = 200_000;
-    let (mut sum, mut mean) = (0.0, Vec3::ZERO);
-    for i in 0..n {
-        let (_, u) = random(31, i);
-        let Some(s) = scene.emitters()[0].sample(Vec3::ZERO, u) else { continue };
-        let [red, ..] = s.radiance.channels();
-        sum += f64::from(red / s.pdf) / n as f64;
-        mean += s.wi * (red / s.pdf);
+    for (projection, size, texel) in [
+        (Projection::Equirectangular, [64, 32], [40, 5]),
+        (Projection::Octahedral, [64, 64], [37, 22]),
+        (Projection::Octahedral, [64, 64], [9, 6]),
+        (Projection::Cube, [64, 48], [42, 19]),
+        (Projection::Cube, [48, 64], [20, 57]),
+        (Projection::Cube, [96, 16], [39, 3]),
+        (Projection::Cube, [16, 96], [12, 88]),
+    ] {
+        let mut pixels = vec![[0.0; 3]; (size[0] * size[1]) as usize];
+        pixels[(texel[1] * size[0] + texel[0]) as usize] = [100.0; 3];
+        let image = Image::from_rgb(size[0], size[1], &pixels).unwrap();
+        let scene = Prepared::new(&mapped(projection, image, 0.0)).unwrap();
+        let n = 200_000;
+        let (mut sum, mut mean) = (0.0, DVec3::ZERO);
+        for i in 0..n {
+            let (_, u) = random(31, i);
+            let Some(s) = scene.emitters()[0].sample(Vec3::ZERO, u) else { continue };
+            let [red, ..] = s.radiance.channels();
+            sum += f64::from(red / s.pdf) / n as f64;
+            mean += s.wi.as_dvec3() * f64::from(red / s.pdf);
+        }
+        let [x, y, z, solid_angle] =
+            of_one_pixel(projection, size, texel, |d| [d.x, d.y, d.z, 1.0]);
+        let (expected, center) = (100.0 * solid_angle, DVec3::new(x, y, z).normalize());
+        assert!((sum / expected - 1.0).abs() < 0.01, "{projection:?} {texel:?}: {sum} {expected}");
+        let off = mean.normalize().dot(center);
+        assert!(off > 0.9999, "{projection:?} {texel:?}: {} {center}", mean.normalize());
     }
-    // The bilinear tent around the texel has the texel's own integral.
-    let solid_angle = 2.0 * pi / 64.0 * ((pi * 5.0 / 32.0).cos() - (pi * 6.0 / 32.0).cos());
-    assert!((sum / (100.0 * solid_angle) - 1.0).abs() < 0.01, "{sum} {}", 100.0 * solid_angle);
-    assert!(mean.normalize().dot(center) > 0.9995, "{mean} {center}");
+}
+
+/// The same smooth sky in every projection looks the same in every direction, on seams, edges and
+/// corners as well: a face in the wrong place, a border from the wrong neighbour, or half a pixel
+/// of shift shows here. Interpolation is off by the square of a pixel's angle, but where lines of
+/// pixels have a kink it is by a part of half a pixel's: 9e-3 at the folds of these octahedra,
+/// 4e-3 (along the edge) at the edges of these cubes, times a slope below 1.
+#[test]
+fn every_projection_shows_the_same_sky() {
+    let light = |d: DVec3| [1.0 + 0.6 * d.x + 0.3 * d.y * d.z, 1.0 + 0.7 * d.y, 1.0 - 0.5 * d.z];
+    for (projection, size, most) in [
+        (Projection::Equirectangular, [256, 128], 1e-3),
+        (Projection::Octahedral, [192, 192], 1e-2),
+        (Projection::Octahedral, [193, 193], 1e-2),
+        (Projection::Cube, [256, 192], 4e-3),
+        (Projection::Cube, [192, 256], 4e-3),
+        (Projection::Cube, [390, 65], 4e-3),
+        (Projection::Cube, [64, 384], 4e-3),
+    ] {
+        let image = painted(projection, size, light);
+        let scene = Prepared::new(&mapped(projection, image, 0.0)).unwrap();
+        let error = |d: Vec3| {
+            let seen = sky_of(&scene).radiance(d).channels().map(f64::from);
+            let errors = seen.into_iter().zip(light(d.as_dvec3())).map(|(s, l)| (s - l).abs());
+            errors.fold(0.0, f64::max)
+        };
+        let n = 20_000;
+        let anywhere = (0..n).map(|i| warp::uniform_sphere(random(81, i).1));
+        let rms = (anywhere.map(|d| error(d).powi(2)).sum::<f64>() / n as f64).sqrt();
+        println!("{projection:?} {size:?}: {rms:.1e}");
+        assert!(rms < 5e-4, "{projection:?} {size:?}: {rms}");
+        // Between any two of 26 directions to a cube's corners, edges and faces.
+        let sign = |i: u8| f32::from(i % 3) - 1.0;
+        let corners = || (0..27).map(move |i| Vec3::new(sign(i), sign(i / 3), sign(i / 9)));
+        let lines = corners().flat_map(|a| corners().map(move |b| a + 0.37 * b));
+        for d in corners().chain(lines).filter_map(Vec3::try_normalize) {
+            assert!(error(d) < most, "{projection:?} {size:?} {d}: {}", error(d));
+        }
+    }
 }
 
 /// The map's directions: up is the first row, −z the middle, +x right of it; nothing is read
@@ -557,44 +719,78 @@ fn points_on_triangles_are_spread_evenly() {
 /// L · ω · cos θ of its solid angle.
 #[test]
 fn a_bright_texel_lights_a_floor_by_its_solid_angle() {
-    let (width, height) = (64_u32, 32_u32);
     let pi = std::f64::consts::PI;
-    for (column, row) in [(40_u32, 5_u32), (0, 12), (63, 3), (20, 14)] {
-        let mut pixels = vec![[0.0; 3]; (width * height) as usize];
-        pixels[(row * width + column) as usize] = [100.0; 3];
-        let map = Image::from_rgb(width, height, &pixels).unwrap();
-        let mut scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(map));
+    for (projection, size, texel) in [
+        (Projection::Equirectangular, [64, 32], [40, 5]),
+        (Projection::Equirectangular, [64, 32], [0, 12]),
+        (Projection::Equirectangular, [64, 32], [63, 3]),
+        (Projection::Equirectangular, [64, 32], [20, 14]),
+        (Projection::Octahedral, [40, 40], [24, 17]),
+        (Projection::Octahedral, [40, 40], [8, 18]),
+        (Projection::Cube, [64, 48], [20, 10]),
+        (Projection::Cube, [48, 64], [40, 18]),
+        (Projection::Cube, [96, 16], [69, 3]),
+        (Projection::Cube, [16, 96], [9, 37]),
+    ] {
+        let mut pixels = vec![[0.0; 3]; (size[0] * size[1]) as usize];
+        pixels[(texel[1] * size[0] + texel[0]) as usize] = [100.0; 3];
+        let map = Image::from_rgb(size[0], size[1], &pixels).unwrap();
+        let mut scene = mapped(projection, map, 0.0);
         let matte = scene.add_material(Matte { albedo: Rgb::grey(0.5), roughness: 0.0 });
         let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
         let floor = Shape::Rectangle { size: Vec2::splat(10.0) };
         scene.objects.push(Object::new(floor, matte).transformed(&flat));
         scene.camera =
             Perspective::look_at(Vec3::new(0.0, 1.0, 1.0), Vec3::ZERO, 0.2).unwrap().into();
-        // The tent of the interpolated texel reaches one texel further to each side, with rows of
-        // a solid angle of their own: integrated in f64.
-        let steps = 2000;
-        let irradiance: f64 = (0..steps)
-            .map(|i| {
-                let rows = 2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0;
-                let theta = pi * (f64::from(row) + 0.5 + rows) / f64::from(height);
-                let tent = 1.0 - rows.abs();
-                tent * theta.sin() * theta.cos() * 2.0 / f64::from(steps)
-            })
-            .sum::<f64>()
-            * 100.0
-            * (pi / f64::from(height))
-            * (2.0 * pi / f64::from(width));
-        let theta = pi * (f64::from(row) + 0.5) / f64::from(height);
-        let solid_angle = 2.0 * pi / f64::from(width)
-            * ((pi * f64::from(row) / 32.0).cos() - (pi * f64::from(row + 1) / 32.0).cos());
-        // As one texel without interpolation: no more than the tent's curvature away.
-        assert!((irradiance / (100.0 * solid_angle * theta.cos()) - 1.0).abs() < 0.01);
+        let [cosine, solid_angle] = of_one_pixel(projection, size, texel, |d| [d.y, 1.0]);
+        let irradiance = 100.0 * cosine;
+        // As one direction without interpolation: no more than the tent's curvature away.
+        let center = shown(projection, size, texel.map(|i| f64::from(i) + 0.5)).unwrap();
+        let about = 100.0 * solid_angle * center.y;
+        assert!((irradiance / about - 1.0).abs() < 0.015, "{irradiance} {about}");
         let (got, error) = mean(&render(&scene, small(256)), "G");
         let expected = 0.5 / pi * irradiance;
         assert!(
             (got - expected).abs() < 4.0 * error + 1e-3 * expected,
-            "{column},{row}: {got} ± {error}, expected {expected}"
+            "{projection:?} {texel:?}: {got} ± {error}, expected {expected}"
         );
+    }
+}
+
+/// One step of rounding to either side of any edge of any map changes next to nothing: seams of a
+/// map, folds of an octahedron, edges and corners of a cube.
+#[test]
+fn a_step_of_rounding_across_an_edge_is_harmless() {
+    for (name, projection, [width, height]) in projections() {
+        let scene = Prepared::new(&mapped(projection, sky(width, height), 0.0)).unwrap();
+        let sky = sky_of(&scene);
+        // Corners, edges and faces of a cube, and points on the lines that join them.
+        for i in 0..27 * 5_u32 {
+            let sign = |i: u32| (i % 3) as f32 - 1.0;
+            let part = [1.0, 0.77, 0.5, 0.3, 0.01][(i / 27) as usize];
+            let d = Vec3::new(sign(i), sign(i / 3), sign(i / 9)) * Vec3::new(1.0, part, 1.0);
+            for d in [d, Vec3::new(d.y, d.z, d.x), Vec3::new(d.z, d.x, d.y)] {
+                let Some(d) = d.try_normalize() else { continue };
+                // Where all columns meet, a step may turn half around: the mean of opposite
+                // texels is the same, but others are not.
+                let at_pole = projection == Projection::Equirectangular && d.y.abs() == 1.0;
+                let here = sky.radiance(d).channels();
+                for j in 0..27_u32 {
+                    let step = |c: f32, j: u32| match j % 3 {
+                        0 => c.next_down(),
+                        1 => c,
+                        _ => c.next_up(),
+                    };
+                    let near = Vec3::new(step(d.x, j), step(d.y, j / 3), step(d.z, j / 9));
+                    let there = sky.radiance(near).channels();
+                    for (a, b) in here.into_iter().zip(there) {
+                        let same = (a - b).abs() < 1e-3 || at_pole && b.is_finite() && b >= 0.0;
+                        assert!(same, "{name}: {a} at {d}, {b} at {near}");
+                    }
+                    assert!(sky.pdf(near).is_finite() && sky.pdf(near) >= 0.0, "{name}: {near}");
+                }
+            }
+        }
     }
 }
 

@@ -278,6 +278,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[environment]", r#"8:1: [environment] needs "image" or "color""#),
     ("[environment]\ncolor = 1\nscale = -1", "10:9: scale is -1, but must be 0 or more"),
     ("[environment]\ncolor = 1\nimage = \"sky.hdr\"", "10:9: give color or image, not both"),
+    ("[environment]\ncolor = 1\nprojection = \"cube\"", "10:14: projection needs an image"),
     // Shapes.
     (
         "[[shape]]\ntype = \"sphere\"\nradius = 0\nmaterial = \"grey\"",

@@ -3,7 +3,7 @@
 use crate::HEAD;
 use rutilant::camera::Camera;
 use rutilant::color::Rgb;
-use rutilant::light::{Environment, EnvironmentLight};
+use rutilant::light::{Environment, EnvironmentLight, Projection};
 use rutilant::material::{MaterialKind, Mix};
 use rutilant::scene::{MaterialId, MeshId};
 use rutilant::shape::Shape;
@@ -135,6 +135,61 @@ fn meshes_are_scenes() {
         assert!(eye.x > 0.0 && eye.y > 0.0 && eye.z > 1.0, "{eye}");
     }
     assert!(refused(folder.path(), "empty.obj").starts_with("empty.obj: "));
+}
+
+/// Each projection has its sizes of images, and a wrong one is told which there are.
+#[test]
+fn skies_have_the_size_of_their_projection() {
+    let sky = |width: u32, height: u32, projection: &str| {
+        let pixels = [128, 128, 128, 129].repeat((width * height) as usize);
+        let head = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n");
+        let file = [head.as_bytes(), &pixels].concat();
+        let options = ReadOptions { embedded: &[("sky.hdr", &file)], ..ReadOptions::default() };
+        let text =
+            format!("{HEAD}[environment]\nimage = \"sky.hdr\"\nprojection = \"{projection}\"");
+        parse_native(&text, Path::new("scene.toml"), &options).map_err(|error| error.to_string())
+    };
+    for (width, height, name, expected) in [
+        (5, 3, "equirectangular", Projection::Equirectangular),
+        (3, 3, "octahedral", Projection::Octahedral),
+        (8, 6, "cube", Projection::Cube),
+        (3, 4, "cube", Projection::Cube),
+        (6, 1, "cube", Projection::Cube),
+        (2, 12, "cube", Projection::Cube),
+    ] {
+        let scene = sky(width, height, name).expect("a good size").scene;
+        let light = scene.environment.expect("a sky").light;
+        let image = rutilant::scene::ImageId(0);
+        assert_eq!(light, EnvironmentLight::Image { image, projection: expected });
+    }
+    for (width, height, name, said) in [
+        (4, 3, "octahedral", "9:9: an octahedral map is a square, but the image has 4x3 pixels"),
+        (
+            5,
+            5,
+            "cube",
+            "9:9: the faces of a cube are 4x3 or 3x4 squares (a cross) or 6x1 or 1x6 (a strip), \
+             but the image has 5x5 pixels",
+        ),
+        (
+            9,
+            6,
+            "cube",
+            "9:9: the faces of a cube are 4x3 or 3x4 squares (a cross) or 6x1 or 1x6 (a strip), \
+             but the image has 9x6 pixels",
+        ),
+        (
+            2,
+            1,
+            "fisheye",
+            "10:14: no projection \"fisheye\"; there are equirectangular, octahedral, cube",
+        ),
+        (2, 1, "latlong", "10:14: no projection \"latlong\"; did you mean \"equirectangular\"?"),
+        (2, 1, "cubes", "10:14: no projection \"cubes\"; did you mean \"cube\"?"),
+    ] {
+        let error = sky(width, height, name).expect_err(said);
+        assert_eq!(error, format!("scene.toml:{said}"));
+    }
 }
 
 /// An embedded image is found by its name, without a disk.

@@ -88,28 +88,16 @@ impl Distribution2d {
         })
     }
 
-    /// A point of the unit square for `u` in [0, 1)², and its density.
-    pub fn sample(&self, u: Vec2) -> Option<(Vec2, f32)> {
-        let (row, v) = self.rows.sample_step(u.y);
-        let columns = self.columns[row].as_ref()?;
-        let (column, x) = columns.sample_step(u.x);
-        let point = Vec2::new(
-            (column as f32 + x) / columns.len() as f32,
-            (row as f32 + v) / self.columns.len() as f32,
-        );
-        Some((point, self.density(column, row)))
+    /// A cell for `u` in [0, 1)², as column and row; how far into it `u` lies, in [0, 1)²; and the
+    /// density there, over the unit square.
+    pub fn sample(&self, u: Vec2) -> Option<([usize; 2], Vec2, f32)> {
+        let (row, y) = self.rows.sample_step(u.y);
+        let (column, x) = self.columns[row].as_ref()?.sample_step(u.x);
+        Some(([column, row], Vec2::new(x, y), self.density([column, row])))
     }
 
-    /// The density at a point of the unit square.
-    pub fn pdf(&self, point: Vec2) -> f32 {
-        let height = self.columns.len();
-        let row = ((point.y * height as f32) as usize).min(height - 1);
-        let Some(columns) = &self.columns[row] else { return 0.0 };
-        let width = columns.len();
-        self.density(((point.x * width as f32) as usize).min(width - 1), row)
-    }
-
-    fn density(&self, column: usize, row: usize) -> f32 {
+    /// The density in a cell, over the unit square.
+    pub fn density(&self, [column, row]: [usize; 2]) -> f32 {
         let Some(columns) = &self.columns[row] else { return 0.0 };
         let cells = columns.len() as f32 * self.columns.len() as f32;
         self.rows.pmf(row) * columns.pmf(column) * cells
@@ -149,7 +137,7 @@ mod tests {
         }
     }
 
-    /// The returned density is that of the place, and it integrates to 1.
+    /// The returned density is that of the cell, and it integrates to 1.
     #[test]
     fn densities_agree_and_add_to_one() {
         let values = [1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0, 1.0, 0.5];
@@ -157,11 +145,12 @@ mod tests {
         let n = 64;
         for i in 0..n * n {
             let u = Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32;
-            let (p, pdf) = d.sample(u).unwrap();
-            assert_eq!(pdf, d.pdf(p));
+            let (cell, within, pdf) = d.sample(u).unwrap();
+            assert_eq!(pdf, d.density(cell));
             assert!(pdf > 0.0);
+            assert!(within.cmpge(Vec2::ZERO).all() && within.cmplt(Vec2::ONE).all());
         }
-        let cells = (0..9).map(|i| d.density(i % 3, i / 3) / 9.0);
+        let cells = (0..9).map(|i| d.density([i % 3, i / 3]) / 9.0);
         assert!((cells.sum::<f32>() - 1.0).abs() < 1e-6);
     }
 }

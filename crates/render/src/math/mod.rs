@@ -1,5 +1,7 @@
 //! Small mathematics shared by everything above geometry.
 
+pub mod cube;
 pub mod distribution;
 pub mod lat_long;
+pub mod octahedral;
 pub mod warp;

@@ -222,7 +222,7 @@ pub fn chi_square(
     pdf: impl Fn(Vec3) -> f32,
 ) -> f64 {
     let even = Focus { pole: Vec3::Z, width: f64::INFINITY };
-    chi_square_over(stream, &[Chart::new(even, 0.0)], 4, sample, pdf)
+    chi_square_over(stream, &[Chart::new(even, 0.0)], 16, sample, pdf)
 }
 
 /// The same with eyes for what is narrow: above and below z = 0, around one pole each.

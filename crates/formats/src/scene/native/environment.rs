@@ -5,18 +5,34 @@ use super::keys;
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use crate::image;
-use rutilant::light::{Environment, EnvironmentLight};
+use rutilant::light::{Environment, EnvironmentLight, Projection};
 use rutilant::scene::Place;
 use std::path::Path;
+
+const PROJECTIONS: &[(&str, Projection)] = &[
+    ("equirectangular", Projection::Equirectangular),
+    ("octahedral", Projection::Octahedral),
+    ("cube", Projection::Cube),
+];
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
     table.only(&[keys::ENVIRONMENT])?;
     let light = match table.either(["image", "color"])? {
         "image" => {
             let image = table.must("image", |value| read_image(value, draft))?;
-            EnvironmentLight::Image(draft.scene.add_image(image))
+            let projection = table.or(
+                "projection",
+                |value| value.one_of("projection", PROJECTIONS),
+                Projection::default(),
+            )?;
+            EnvironmentLight::Image { image: draft.scene.add_image(image), projection }
         }
-        _ => EnvironmentLight::Constant(table.must("color", Value::color)?),
+        _ => {
+            if let Some(value) = table.get("projection") {
+                return Err(value.invalid("projection needs an image"));
+            }
+            EnvironmentLight::Constant(table.must("color", Value::color)?)
+        }
     };
     draft.scene.environment = Some(Environment {
         light,

@@ -39,7 +39,8 @@ pub(super) const PERSPECTIVE: &[&str] =
     &["fov_degrees", "focal_length_mm", "sensor_height_mm", "f_number"];
 pub(super) const ORTHOGRAPHIC: &[&str] = &["height"];
 
-pub(super) const ENVIRONMENT: &[&str] = &["image", "color", "scale", "rotation_degrees"];
+pub(super) const ENVIRONMENT: &[&str] =
+    &["image", "projection", "color", "scale", "rotation_degrees"];
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
 pub(super) const EMISSION: &[&str] = &["radiance", "power", "two_sided"];
@@ -160,6 +161,11 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
     ("circle", "disk"),
     ("sun", "directional"),
     ("distant", "directional"),
+    ("latlong", "equirectangular"),
+    ("lat-long", "equirectangular"),
+    ("equal-area", "octahedral"),
+    ("cubemap", "cube"),
+    ("cross", "cube"),
     ("triangle", "tent"),
     ("random", "independent"),
     ("pathtracer", "path"),
