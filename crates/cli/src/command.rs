@@ -5,14 +5,13 @@
 //! for that lead astray; here stand better ones.
 
 use crate::Cli;
-use crate::failure::Failure;
+use crate::failure::{Exit, Failure};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, CommandFactory, Parser};
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Reads the command line. Ends the process where the parser has the right words: help, the
-/// version, wrong options.
+/// Reads the command line. Ends the process where help or the version was asked for.
 pub(crate) fn parse() -> Result<Cli, Failure> {
     let line: Vec<OsString> = std::env::args_os().collect();
     if let Some(word) = line.get(1).and_then(|word| word.to_str())
@@ -24,8 +23,26 @@ pub(crate) fn parse() -> Result<Cli, Failure> {
     }
     Cli::try_parse_from(line).map_err(|error| match misplaced(&error) {
         Some(what) => Failure::usage(what),
+        None if error.use_stderr() => Failure { exit: Exit::Usage, line: in_a_line(&error) },
         None => error.exit(),
     })
+}
+
+/// The parser's words in one line: what is wrong, the values that there are, its hint.
+fn in_a_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let lines = text.lines().map(str::trim);
+    let said = lines
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .map(|line| line.trim_start_matches("error: ").trim_matches(['[', ']']))
+        .filter(|line| !line.is_empty());
+    let joined = said.fold(String::new(), |all, line| match all.chars().last() {
+        None => line.to_owned(),
+        Some(':') => format!("{all} {line}"),
+        Some(_) => format!("{all}; {line}"),
+    });
+    let joined: String = joined.chars().filter(|c| !c.is_control()).collect();
+    format!("rutilant: {joined}; see --help")
 }
 
 /// True for one word without dots, as no path of a scene is.

@@ -55,7 +55,7 @@ enum Mode {
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::Args),
     /// Measure speed
-    #[command(subcommand)]
+    #[command(subcommand, arg_required_else_help = false)]
     Bench(bench::Mode),
 }
 

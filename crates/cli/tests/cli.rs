@@ -188,9 +188,21 @@ fn bad_usage_is_refused_with_a_hint() {
         let ran = desk.run(arguments);
         assert_eq!(ran.status, 2, "{arguments}: {ran:?}");
         assert!(ran.error.contains(hint), "{arguments}: {}", ran.error);
+        assert_eq!(ran.error.lines().count(), 1, "{arguments}: {}", ran.error);
         assert_eq!(ran.out, "", "{arguments}");
     }
     assert_eq!(desk.files(), ["room.toml"]);
+    for (arguments, said) in [
+        (
+            "room.toml --ssp 4",
+            "unexpected argument '--ssp' found; tip: a similar argument exists: '--spp'",
+        ),
+        ("room.toml --spp 0", "invalid value '0' for '--spp <N>': write a whole number, 1 or more"),
+        ("compare a.png", "the following required arguments were not provided: <REFERENCE>"),
+    ] {
+        let error = format!("rutilant: {said}; see --help\n");
+        assert_eq!(desk.run(arguments).error, error, "{arguments}");
+    }
 }
 
 /// A slip in a command is answered by the command, not by talk about a scene of that name.
