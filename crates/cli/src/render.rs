@@ -182,6 +182,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let prepared = prepared?;
     let mut notes = loaded.notes;
     notes.extend(prepared.report().notes.iter().cloned());
+    notes.extend(prepared.notes_for(&settings));
     let (focus, no_focus) = focus::find(&loaded.scene, &prepared, settings.size);
     notes.extend(no_focus);
     let integrator = Integrator::from(settings.integrator);

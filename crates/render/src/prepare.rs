@@ -19,7 +19,9 @@ use crate::material::{
     CustomMaterial, Dielectric, Emission, EmittedLight, Material, MaterialKind, SurfacePoint,
 };
 use crate::medium::{Border, Media, PreparedMedium};
+use crate::problem::LIGHT;
 use crate::scene::{MaterialId, Scene, SceneProblem};
+use crate::settings::{IntegratorKind, Settings, Strategy};
 use crate::shape::{Mesh, Object, Shape};
 use crate::winding::{Enclosure, enclosures};
 use rutilant_geom::{
@@ -163,6 +165,33 @@ impl Prepared {
     /// What came of the scene.
     pub fn report(&self) -> &PrepareReport {
         &self.report
+    }
+
+    /// What a person should know about a rendering of this scene with these settings.
+    pub fn notes_for(&self, settings: &Settings) -> Vec<String> {
+        let meets = match (settings.integrator, settings.strategy) {
+            (IntegratorKind::Naive, _) => "the integrator \"naive\"",
+            (IntegratorKind::Path, Strategy::BsdfOnly) => "the strategy \"bsdf\"",
+            (IntegratorKind::Path, Strategy::Both | Strategy::LightOnly)
+            | (
+                IntegratorKind::Direct
+                | IntegratorKind::AmbientOcclusion
+                | IntegratorKind::Normals
+                | IntegratorKind::Albedo
+                | IntegratorKind::Depth,
+                _,
+            ) => return Vec::new(),
+        };
+        let unmet = self.emitters.iter().filter(|e| !e.can_be_met()).count();
+        let what = match self.emitters.len() - unmet {
+            _ if unmet == 0 => return Vec::new(),
+            0 => "there are no others: the picture will be black",
+            _ => "these give no light here",
+        };
+        vec![format!(
+            "{meets} finds only what rays meet, which point, spot and directional lights are \
+             not; {what}"
+        )]
     }
 
     /// The surface that a ray meets first.
@@ -686,7 +715,8 @@ impl Assembly {
         }
         // Emitters keep their areas in single precision.
         let measurable = area as f32 > 0.0 && (area as f32).is_finite();
-        let shines = measurable && radiance.is_finite() && !radiance.is_black();
+        let bearable = LIGHT.contains(&radiance.max_channel());
+        let shines = measurable && bearable && !radiance.is_black();
         if !shines {
             let why = if measurable {
                 "its power cannot be spread over it"

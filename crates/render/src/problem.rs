@@ -55,34 +55,33 @@ impl Place {
         values: impl IntoIterator<Item = f32>,
         range: RangeInclusive<f32>,
     ) -> Result<(), SceneProblem> {
+        let Some(wrong) = values.into_iter().find(|v| !range.contains(v)) else { return Ok(()) };
         let (least, most) = (*range.start(), *range.end());
-        match values.into_iter().find(|v| !range.contains(v)) {
-            None => Ok(()),
-            Some(v) if !v.is_finite() => {
-                Err(self.problem(key, format!("{key} is {v}, but must be a finite number")))
-            }
-            Some(v) if most == f32::MAX && least == f32::MIN_POSITIVE => {
-                Err(self.problem(key, format!("{key} is {v}, but must be more than 0")))
-            }
-            Some(v) if least == f32::MIN_POSITIVE => {
-                Err(self
-                    .problem(key, format!("{key} is {v}, but must be more than 0, up to {most}")))
-            }
-            Some(v) if most == f32::MAX => {
-                Err(self.problem(key, format!("{key} is {v}, but must be {least} or more")))
-            }
-            Some(v) => {
-                Err(self
-                    .problem(key, format!("{key} is {v}, but must lie between {least} and {most}")))
-            }
-        }
+        let [v, from, to] = [wrong, least, most].map(number);
+        let must = match (least == f32::MIN_POSITIVE, most == f32::MAX) {
+            _ if !wrong.is_finite() => "be a finite number".to_owned(),
+            (true, true) => "be more than 0".to_owned(),
+            (true, false) => format!("be more than 0, up to {to}"),
+            (false, true) => format!("be {from} or more"),
+            (false, false) => format!("lie between {from} and {to}"),
+        };
+        Err(self.problem(key, format!("{key} is {v}, but must {must}")))
     }
+}
+
+/// A number for people: with an exponent where it would be all zeros without.
+pub(crate) fn number(v: f32) -> String {
+    let plain = v == 0.0 || !v.is_finite() || (1e-5..1e7).contains(&v.abs());
+    if plain { v.to_string() } else { format!("{v:e}") }
 }
 
 /// Any finite number.
 pub(crate) const FINITE: RangeInclusive<f32> = f32::MIN..=f32::MAX;
 /// Zero or more.
 pub(crate) const NOT_NEGATIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
+/// An amount of light. What is computed from it stays a finite number, its square among them, of
+/// which variances are made.
+pub(crate) const LIGHT: RangeInclusive<f32> = 0.0..=1e18;
 /// More than zero.
 pub(crate) const POSITIVE: RangeInclusive<f32> = f32::MIN_POSITIVE..=f32::MAX;
 /// A part of a whole.

@@ -8,9 +8,10 @@ use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::geom::{Ray, Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::Environment;
+use rutilant::light::{Environment, Light};
 use rutilant::material::{Absorption, Dielectric, Emission, Matte};
 use rutilant::scene::{MeshId, Scene};
+use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
 
 fn scene() -> Scene {
@@ -265,6 +266,32 @@ fn darkness_is_announced() {
         "{notes:?}"
     );
     assert!(notes.iter().any(|n| n.starts_with("nothing gives light")), "{notes:?}");
+}
+
+/// Where rays alone look for light, lights that no ray can meet are missed, which is said: a
+/// picture once was black without a word.
+#[test]
+fn lights_that_rays_never_meet_are_announced() {
+    let mut scene = scene();
+    let direction = Vec3::NEG_Y;
+    scene.lights.push(Light::Directional { direction, irradiance: Rgb::WHITE });
+    let notes = |scene: &Scene, integrator, strategy| {
+        let settings = Settings { integrator, strategy, ..Settings::default() };
+        Prepared::new(scene).unwrap().notes_for(&settings)
+    };
+    let (naive, path) = (IntegratorKind::Naive, IntegratorKind::Path);
+    let [black] = &notes(&scene, naive, Strategy::Both)[..] else { panic!("one note") };
+    assert!(black.contains("\"naive\"") && black.contains("will be black"), "{black}");
+    let [black] = &notes(&scene, path, Strategy::BsdfOnly)[..] else { panic!("one note") };
+    assert!(black.contains("\"bsdf\"") && black.contains("will be black"), "{black}");
+    assert_eq!(notes(&scene, path, Strategy::Both), [""; 0]);
+    assert_eq!(notes(&scene, IntegratorKind::Direct, Strategy::BsdfOnly), [""; 0]);
+
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    let [less] = &notes(&scene, naive, Strategy::Both)[..] else { panic!("one note") };
+    assert!(less.contains("give no light here"), "{less}");
+    scene.lights.clear();
+    assert_eq!(notes(&scene, naive, Strategy::Both), [""; 0]);
 }
 
 /// Glass of two materials is two objects, each of them open; wound inside out together, both are

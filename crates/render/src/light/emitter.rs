@@ -105,6 +105,19 @@ impl Emitter {
         }
     }
 
+    /// True for lights that a ray can run into.
+    pub(crate) fn can_be_met(&self) -> bool {
+        match self {
+            Self::Point(_) | Self::Spot(_) | Self::Distant(_) => false,
+            Self::Environment(_)
+            | Self::Triangle(_)
+            | Self::Parallelogram(_)
+            | Self::Disk(_)
+            | Self::Sphere(_)
+            | Self::Custom(_) => true,
+        }
+    }
+
     /// True for lights that are met by rays but never chosen.
     pub(crate) fn is_custom(&self) -> bool {
         matches!(self, Self::Custom(_))
