@@ -265,7 +265,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"black\"\nemission = { radiance = -1 }",
-        "11:25: radiance is -1, but must be 0 or more",
+        "11:25: radiance is -1, but must lie between 0 and 1e18",
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"emissive\"",
@@ -293,6 +293,14 @@ const MISTAKES: &[(&str, &str)] = &[
         "11:9: transform flattens the shape: a scale is 0, or too close to it",
     ),
     (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nscale = 1e30\nrotate_degrees = [10, 20, 30]\nmaterial = \"grey\"",
+        "11:9: transform makes the shape too large: a scale is beyond some 1e12",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nscale = 1e-30\nrotate_degrees = [10, 20, 30]\nmaterial = \"grey\"",
+        "11:9: transform flattens the shape: a scale is 0, or too close to it",
+    ),
+    (
         "[[shape]]\ntype = \"disk\"\nradius = 1\nscale = 1\nmatrix = [1]\nmaterial = \"grey\"",
         "12:10: give scale or matrix, not both",
     ),
@@ -310,7 +318,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[shape]]\ntype = \"disk\"\nradius = 1\nrotate = { axis = [0, 0, 0], degrees = 5 }\nmaterial = \"grey\"",
-        "11:19: [0, 0, 0] points nowhere",
+        "11:19: it points nowhere: all three numbers are 0",
     ),
     (
         "[[shape]]\ntype = \"disk\"\nradius = 1\nrotate = { axs = [0, 1, 0], degrees = 5 }\nmaterial = \"grey\"",
@@ -386,7 +394,25 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = -1",
-        "12:9: power is -1, but must be 0 or more",
+        "12:9: power is -1, but must lie between 0 and 1e18",
+    ),
+    // Light beyond all numbers would be lost.
+    ("[environment]\ncolor = [1, 1e19, 1]", "9:9: color is 1e19, but must lie between 0 and 1e18"),
+    (
+        "[environment]\ncolor = [0, 1e10, 0]\nscale = 1e30",
+        "10:9: scale is 1e30, but times color, 1e10, must be at most 1e18",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"emissive\"\npower = 1e30",
+        "11:9: power is 1e30, but must lie between 0 and 1e18",
+    ),
+    (
+        "[[light]]\ntype = \"point\"\nposition = [0, 0, 0]\nintensity = 1e38",
+        "11:13: intensity is 1e38, but must lie between 0 and 1e18",
+    ),
+    (
+        "[[light]]\ntype = \"directional\"\ndirection = [0, 0, 1]\nirradiance = 1e38",
+        "11:14: irradiance is 1e38, but must lie between 0 and 1e18",
     ),
     (
         "[[light]]\ntype = \"spot\"\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\npower = 1\nouter_degrees = 0",
@@ -433,7 +459,7 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
     ),
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nup = [0, 0, 0]",
-        "5:6: [0, 0, 0] points nowhere",
+        "5:6: it points nowhere: all three numbers are 0",
     ),
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfov_degrees = 180",
@@ -442,6 +468,18 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 0",
         "5:12: f_number is 0, but must be more than 0",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 1e-42",
+        "5:12: f_number is 1e-42, too little for any lens",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 2\nfov_degrees = 0",
+        "6:15: fov_degrees is 0, but must be more than 0 and less than 180",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 1e-9",
+        "5:12: the lens has a radius of 1.4485281e7, but that must be at most 1000000 times the focus distance of 1",
     ),
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_at = [0, 0, 2]",

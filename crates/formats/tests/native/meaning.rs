@@ -421,3 +421,35 @@ fn priorities_are_numbers_and_none_is_none() {
         assert_eq!(glass.priority, expected);
     }
 }
+
+/// A direction of any length but 0 points somewhere, even where the square of its length is no
+/// number any more; it once became [0, 0, 0].
+#[test]
+fn directions_have_any_length() {
+    let axes = |length: &str, key: &str| {
+        let text = match key {
+            "up" => format!("camera.up = [{length}, 0, 0]"),
+            _ => format!(
+                "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\n\
+                 rotate = {{ axis = [{length}, 0, 0], degrees = 90 }}"
+            ),
+        };
+        let scene = match key {
+            "up" => parse(&HEAD.replacen("camera.look_at", &format!("{text}\ncamera.look_at"), 1)),
+            _ => parse(&format!("{HEAD}{text}")),
+        };
+        let scene = scene.expect(&text).scene;
+        match key {
+            "up" => {
+                let Camera::Perspective(camera) = scene.camera else { panic!("{text}") };
+                camera.world_from_camera.vector(Vec3::Y)
+            }
+            _ => scene.objects[0].world_from_object.vector(Vec3::Z),
+        }
+    };
+    for length in ["1", "1e-30", "1e-44", "1e30", "3e38"] {
+        let (up, normal) = (axes(length, "up"), axes(length, "axis"));
+        assert!(near(up, [1.0, 0.0, 0.0]), "{length}: {up}");
+        assert!(near(normal, [0.0, -1.0, 0.0]), "{length}: {normal}");
+    }
+}

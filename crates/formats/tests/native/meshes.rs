@@ -192,6 +192,21 @@ fn skies_have_the_size_of_their_projection() {
     }
 }
 
+/// A sky whose sun grows beyond all numbers is refused, not lost sample by sample.
+#[test]
+fn a_sky_is_not_scaled_beyond_all_numbers() {
+    let sky: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\xb0";
+    let options = ReadOptions { embedded: &[("sky.hdr", sky)], ..ReadOptions::default() };
+    let read = |scale: &str| {
+        let text = format!("{HEAD}[environment]\nimage = \"sky.hdr\"\nscale = {scale}");
+        parse_native(&text, Path::new("scene.toml"), &options).map_err(|error| error.to_string())
+    };
+    assert!(read("1000").is_ok());
+    let said = "scene.toml:10:9: scale is 1e30, but times the image's brightest pixel, \
+                1.4073749e14, must be at most 1e18";
+    assert_eq!(read("1e30").expect_err("too bright"), said);
+}
+
 /// An embedded image is found by its name, without a disk.
 #[test]
 fn embedded_images_are_found() {

@@ -10,7 +10,7 @@
 //! Square", JGT 2(3), 1997.
 
 use crate::math::warp;
-use crate::problem::{FINITE, NOT_NEGATIVE, POSITIVE, Place, SceneProblem, UNIT};
+use crate::problem::{FINITE, NOT_NEGATIVE, POSITIVE, Place, SceneProblem, UNIT, number};
 use rutilant_geom::{Ray, Transform, Vec2, Vec3, real};
 
 /// The widest lens, in focus distances.
@@ -82,8 +82,10 @@ impl Lens {
             return Err(place.problem(
                 "aperture_radius",
                 format!(
-                    "aperture_radius is {}, but must be at most {MAX_APERTURE} times the focus distance of {}",
-                    self.aperture_radius, self.focus_distance
+                    "the lens has a radius of {}, but that must be at most {} times the focus distance of {}",
+                    number(self.aperture_radius),
+                    number(MAX_APERTURE),
+                    number(self.focus_distance)
                 ),
             ));
         }

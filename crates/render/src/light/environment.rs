@@ -9,7 +9,7 @@ use crate::color::{Rgb, Spectrum};
 use crate::id::ImageId;
 use crate::image::Image;
 use crate::math::warp;
-use crate::problem::{FINITE, NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{FINITE, LIGHT, NOT_NEGATIVE, Place, SceneProblem, number};
 use rutilant_geom::{Vec2, Vec3, real};
 use std::f32::consts::PI;
 
@@ -60,7 +60,10 @@ impl Environment {
         place.check("scale", [self.scale], NOT_NEGATIVE)?;
         place.check("rotation_degrees", [self.rotation], FINITE)?;
         match self.light {
-            EnvironmentLight::Constant(rgb) => place.check("color", rgb.0, NOT_NEGATIVE),
+            EnvironmentLight::Constant(rgb) => {
+                place.check("color", rgb.0, LIGHT)?;
+                self.check_scaled("color", rgb.0)
+            }
             EnvironmentLight::Image { image: ImageId(id), projection } => {
                 let problem = |what| Err(place.problem("image", what));
                 let Some(image) = images.get(id as usize) else {
@@ -70,12 +73,31 @@ impl Environment {
                 if size.contains(&0) {
                     return problem("the image has no pixels".to_owned());
                 }
-                if image.rgb().is_none() {
+                let Some(pixels) = image.rgb() else {
                     return problem("the image has no channels R, G, B (or Y)".to_owned());
-                }
-                projection.charts(size).map(|_| ()).or_else(problem)
+                };
+                projection.charts(size).map(|_| ()).or_else(problem)?;
+                // Pixels that are no numbers give no light.
+                let sound = pixels.into_iter().flatten().filter(|c| c.is_finite());
+                self.check_scaled("the image's brightest pixel", sound)
             }
         }
+    }
+
+    /// The radiances of `what` must not grow beyond all numbers when they are scaled.
+    fn check_scaled(
+        &self,
+        what: &str,
+        radiances: impl IntoIterator<Item = f32>,
+    ) -> Result<(), SceneProblem> {
+        let brightest = radiances.into_iter().fold(0.0, f32::max);
+        if LIGHT.contains(&(brightest * self.scale)) {
+            return Ok(());
+        }
+        let [scale, most, brightest] = [self.scale, *LIGHT.end(), brightest].map(number);
+        let what =
+            format!("scale is {scale}, but times {what}, {brightest}, must be at most {most}");
+        Err(Place::Environment.problem("scale", what))
     }
 }
 

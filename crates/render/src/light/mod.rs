@@ -29,7 +29,7 @@ pub use spot::SpotEmitter;
 pub use triangle::{ParallelogramEmitter, TriangleEmitter};
 
 use crate::color::{Rgb, Spectrum};
-use crate::problem::{FINITE, NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{FINITE, LIGHT, Place, SceneProblem};
 use rutilant_geom::Vec3;
 use std::f32::consts::PI;
 
@@ -80,14 +80,14 @@ impl Light {
         match *self {
             Self::Point { position, intensity } => {
                 place.check("position", position.to_array(), FINITE)?;
-                place.check("intensity", intensity.0, NOT_NEGATIVE)
+                place.check("intensity", intensity.0, LIGHT)
             }
             Self::Directional { direction, irradiance } => {
                 place.check("direction", direction.to_array(), FINITE)?;
                 if unit(direction).is_none() {
                     return Err(place.problem("direction", "direction has no length"));
                 }
-                place.check("irradiance", irradiance.0, NOT_NEGATIVE)
+                place.check("irradiance", irradiance.0, LIGHT)
             }
             Self::Spot { position, direction, light, inner, outer } => {
                 place.check("position", position.to_array(), FINITE)?;
@@ -113,8 +113,8 @@ impl Light {
                     ));
                 }
                 match light {
-                    SpotLight::Intensity(rgb) => place.check("intensity", rgb.0, NOT_NEGATIVE),
-                    SpotLight::Power(rgb) => place.check("power", rgb.0, NOT_NEGATIVE),
+                    SpotLight::Intensity(rgb) => place.check("intensity", rgb.0, LIGHT),
+                    SpotLight::Power(rgb) => place.check("power", rgb.0, LIGHT),
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Light that a surface gives by itself.
 
 use crate::color::Rgb;
-use crate::problem::{NOT_NEGATIVE, Place, SceneProblem};
+use crate::problem::{LIGHT, Place, SceneProblem};
 
 /// The light of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,8 @@ impl Emission {
 
     pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
         match self.light {
-            EmittedLight::Radiance(rgb) => place.check("radiance", rgb.0, NOT_NEGATIVE),
-            EmittedLight::Power(rgb) => place.check("power", rgb.0, NOT_NEGATIVE),
+            EmittedLight::Radiance(rgb) => place.check("radiance", rgb.0, LIGHT),
+            EmittedLight::Power(rgb) => place.check("power", rgb.0, LIGHT),
         }
     }
 }

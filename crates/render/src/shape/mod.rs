@@ -105,10 +105,13 @@ impl Object {
             FINITE,
         )?;
         if world_from_object.inverse().is_none() {
-            return Err(place.problem(
-                "transform",
-                "transform flattens the shape: a scale is 0, or too close to it",
-            ));
+            let volume = world_from_object.linear().as_dmat3().determinant().abs();
+            let what = if volume > 1.0 {
+                "transform makes the shape too large: a scale is beyond some 1e12"
+            } else {
+                "transform flattens the shape: a scale is 0, or too close to it"
+            };
+            return Err(place.problem("transform", what));
         }
         if matches!(self.shape, Shape::Sphere { .. }) && world_from_object.uniform_scale().is_none()
         {

@@ -41,11 +41,18 @@ pub(super) fn read(table: &Table<'_>, size: [u32; 2]) -> Result<Camera, SceneErr
             let Film { fov_y, height } = film(&table)?;
             let aperture = table.at_most_one(&["aperture_radius", "f_number"])?;
             let aperture_radius = match aperture {
-                Some("f_number") => {
-                    let f_number = table.must("f_number", Value::positive)?;
+                Some("f_number") => table.must("f_number", |value| {
+                    let f_number = value.positive()?;
                     let focal_length = 0.5 * height / real::tan(0.5 * fov_y);
-                    0.5 * focal_length / f_number
-                }
+                    let radius = 0.5 * focal_length / f_number;
+                    // An angle of view that is none has the first word.
+                    if radius.is_finite() || !focal_length.is_finite() {
+                        Ok(radius)
+                    } else {
+                        let what = format!("f_number is {f_number:e}, too little for any lens");
+                        Err(value.invalid(what))
+                    }
+                })?,
                 Some(_) | None => table.or("aperture_radius", Value::number, 0.0)?,
             };
             let lens = lens(&table, &pose, aperture_radius, aperture.is_some(), size)?;
@@ -91,13 +98,17 @@ impl Pose {
     }
 }
 
-/// Three numbers that are not all zero.
+/// Three numbers that are not all zero. Those whose squares are no numbers any more are brought to
+/// length 1.
 pub(super) fn direction(value: &Value<'_>) -> Result<Vec3, SceneError> {
     let direction = value.triple()?;
-    direction
+    if direction.try_normalize().is_some() {
+        return Ok(direction);
+    }
+    let largest = direction.abs().max_element();
+    (direction / largest)
         .try_normalize()
-        .map(|_| direction)
-        .ok_or_else(|| value.invalid("[0, 0, 0] points nowhere"))
+        .ok_or_else(|| value.invalid("it points nowhere: all three numbers are 0"))
 }
 
 /// How much a perspective camera sees.
