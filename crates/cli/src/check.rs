@@ -62,11 +62,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 fn examine(path: &Path, reading: &Reading) -> Result<(String, Vec<String>), Failure> {
     let loaded = load::read(Some(path), reading, None)?;
     let prepared = load::prepare(&loaded)?;
-    let mended = prepared.report().notes.iter().cloned();
-    let mended = mended.chain(prepared.notes_for(&loaded.settings));
-    let mended = mended.map(|note| format!("{}: {note}", path.display()));
-    let contents = contents(&loaded.scene);
-    Ok((contents, loaded.notes.into_iter().chain(mended).collect()))
+    let notes = load::notes(&loaded, &prepared, &loaded.settings, Some(path));
+    Ok((contents(&loaded.scene), notes))
 }
 
 /// A line about what a scene holds.

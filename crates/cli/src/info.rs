@@ -81,8 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let report = prepared.report();
     let scene = &loaded.scene;
 
-    let mut notes = loaded.notes.clone();
-    notes.extend(report.notes.iter().cloned());
+    let mut notes = load::notes(&loaded, &prepared, &loaded.settings, args.scene.as_deref());
     let (focus, no_focus) = focus::find(scene, &prepared, loaded.settings.size);
     notes.extend(no_focus);
     let bounds = report.bounds;

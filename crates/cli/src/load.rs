@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::options;
 use clap::Args;
 use rutilant::Prepared;
+use rutilant::settings::Settings;
 use rutilant_formats::{Limits, LoadedScene, ReadOptions, parse_native, read_scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 
 /// The scene that is rendered when none is named.
 pub(crate) const BUILT_IN: &str = "glass-cube";
+const BUILT_IN_FILE: &str = "glass-cube.toml";
 const BUILT_IN_TEXT: &str = include_str!("../../../scenes/glass-cube.toml");
 /// The images it uses, by the names it uses.
 const BUILT_IN_IMAGES: &[(&str, &[u8])] =
@@ -67,7 +69,7 @@ pub(crate) fn read(
         Some(path) => read_scene(path, &options)?,
         None => {
             let options = ReadOptions { embedded: BUILT_IN_IMAGES, ..options };
-            parse_native(BUILT_IN_TEXT, Path::new("glass-cube.toml"), &options)?
+            parse_native(BUILT_IN_TEXT, Path::new(BUILT_IN_FILE), &options)?
         }
     };
     Ok(loaded)
@@ -81,6 +83,21 @@ pub(crate) fn stem(scene: Option<&Path>) -> PathBuf {
 /// Makes a scene traceable.
 pub(crate) fn prepare(loaded: &LoadedScene) -> Result<Arc<Prepared>, Failure> {
     Ok(Arc::new(Prepared::new(&loaded.scene)?))
+}
+
+/// What was said about a scene when it was read and prepared, and what its rendering with
+/// `settings` misses. Each note begins with the file, and with the line where it is about one.
+pub(crate) fn notes(
+    loaded: &LoadedScene,
+    prepared: &Prepared,
+    settings: &Settings,
+    scene: Option<&Path>,
+) -> Vec<String> {
+    let file = scene.unwrap_or(Path::new(BUILT_IN_FILE));
+    let mended = prepared.report().notes.iter().map(|note| loaded.locate(note, file));
+    let missed = prepared.notes_for(settings);
+    let missed = missed.into_iter().map(|note| loaded.locate(&note, file));
+    loaded.notes.iter().cloned().chain(mended).chain(missed).collect()
 }
 
 /// Runs something and says how long it took.

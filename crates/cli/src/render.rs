@@ -180,9 +180,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let spinner = Spinner::start(style, "preparing");
     let (prepared, preparing) = timed(|| load::prepare(&loaded));
     let prepared = prepared?;
-    let mut notes = loaded.notes;
-    notes.extend(prepared.report().notes.iter().cloned());
-    notes.extend(prepared.notes_for(&settings));
+    let mut notes = load::notes(&loaded, &prepared, &settings, args.scene.as_deref());
     let (focus, no_focus) = focus::find(&loaded.scene, &prepared, settings.size);
     notes.extend(no_focus);
     let integrator = Integrator::from(settings.integrator);

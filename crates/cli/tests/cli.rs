@@ -343,7 +343,7 @@ fn check_tells_good_from_bad() {
     assert!(!notes.is_empty() && notes.iter().all(|n| n.matches("bare.obj: ").count() == 1));
 }
 
-/// What only shows when a scene is prepared is told as well, with the file it is about: here
+/// What only shows when a scene is prepared is told as well, with the line it is about: here
 /// glass that is wound inside out.
 #[test]
 fn check_looks_as_closely_as_rendering() {
@@ -354,7 +354,8 @@ fn check_looks_as_closely_as_rendering() {
     fs::write(desk.path("glass.toml"), format!("{ROOM}{mesh}")).unwrap();
     let ran = desk.run("check room.toml glass.toml");
     assert_eq!(ran.status, 0, "{ran:?}");
-    let turned = |text: &str| text.contains("glass.toml: ") && text.contains("inside out");
+    let place = format!("glass.toml:{}: ", ROOM.lines().count() + 2);
+    let turned = |text: &str| text.contains(&place) && text.contains("inside out");
     assert_eq!(ran.error.lines().filter(|line| turned(line)).count(), 1, "{}", ran.error);
     let verdict = desk.json("check glass.toml --json");
     let notes = verdict["notes"].as_array().unwrap();

@@ -45,7 +45,8 @@ fn render(path: &Path) -> Rendered {
     let loaded =
         read_scene(path, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     let prepared = Prepared::new(&loaded.scene).unwrap_or_else(|problem| panic!("{problem}"));
-    let notes = loaded.notes.into_iter().chain(prepared.report().notes.iter().cloned()).collect();
+    let mended = prepared.report().notes.iter().map(ToString::to_string);
+    let notes = loaded.notes.into_iter().chain(mended).collect();
     let session = Session::start(Arc::new(prepared), loaded.settings, 1).expect("settings");
     assert!(session.wait(Duration::from_secs(60)), "no end");
     let progress = session.progress();

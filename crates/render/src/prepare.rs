@@ -19,7 +19,7 @@ use crate::material::{
     CustomMaterial, Dielectric, Emission, EmittedLight, Material, MaterialKind, SurfacePoint,
 };
 use crate::medium::{Border, Media, PreparedMedium};
-use crate::problem::LIGHT;
+use crate::problem::{LIGHT, Note, Place};
 use crate::scene::{MaterialId, Scene, SceneProblem};
 use crate::settings::{IntegratorKind, Settings, Strategy};
 use crate::shape::{Mesh, Object, Shape};
@@ -78,7 +78,7 @@ pub struct PrepareReport {
     /// The tree.
     pub bvh: BuildReport,
     /// What was mended on the way, in words for the author.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 /// An object in the world.
@@ -168,7 +168,7 @@ impl Prepared {
     }
 
     /// What a person should know about a rendering of this scene with these settings.
-    pub fn notes_for(&self, settings: &Settings) -> Vec<String> {
+    pub fn notes_for(&self, settings: &Settings) -> Vec<Note> {
         let meets = match (settings.integrator, settings.strategy) {
             (IntegratorKind::Naive, _) => "the integrator \"naive\"",
             (IntegratorKind::Path, Strategy::BsdfOnly) => "the strategy \"bsdf\"",
@@ -188,10 +188,13 @@ impl Prepared {
             0 => "there are no others: the picture will be black",
             _ => "these give no light here",
         };
-        vec![format!(
-            "{meets} finds only what rays meet, which point, spot and directional lights are \
-             not; {what}"
-        )]
+        vec![
+            format!(
+                "{meets} finds only what rays meet, which point, spot and directional lights are \
+                 not; {what}"
+            )
+            .into(),
+        ]
     }
 
     /// The surface that a ray meets first.
@@ -448,7 +451,7 @@ struct Assembly {
     some_pass: bool,
     /// What each object encloses.
     enclosures: Vec<Enclosure>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 impl Assembly {
@@ -461,9 +464,9 @@ impl Assembly {
         let environment = scene.environment.as_ref().map(|environment| {
             let (sky, mended) = EnvironmentEmitter::new(environment, &scene.images);
             if mended > 0 {
-                self.notes.push(format!(
-                    "environment: {mended} of its pixels, negative, infinite or no numbers, give no light"
-                ));
+                self.notes.push(Place::Environment.note(format!(
+                    "{mended} of its pixels, negative, infinite or no numbers, give no light"
+                )));
             }
             self.add_emitter(Emitter::Environment(sky))
         });
@@ -484,12 +487,12 @@ impl Assembly {
             let are = if count == 1 { "is" } else { "are" };
             self.notes.push(format!(
                 "{count} of the surfaces {are} left out: without area, infinite or no numbers (the first is number {first})"
-            ));
+            ).into());
         }
         // Whether light from infinitely far away is none does not depend on the scene's size.
         let dark = |e: &Emitter| !e.is_custom() && e.power(1.0).is_black();
         if self.emitters.iter().all(dark) {
-            self.notes.push("nothing gives light: the picture will be black".to_owned());
+            self.notes.push("nothing gives light: the picture will be black".to_owned().into());
         }
         let (materials, custom_materials) = prepare_materials(&scene.materials);
         let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
@@ -501,7 +504,7 @@ impl Assembly {
                 "{} materials have a priority; where more than {} overlap, the weakest are overlooked",
                 ranked_media.len(),
                 Media::MOST
-            ));
+            ).into());
         }
         let report = PrepareReport {
             triangles: triangles as u64,
@@ -534,11 +537,10 @@ impl Assembly {
         };
         prepared.camera_media = prepared.media_at(scene.camera.axis());
         if !prepared.camera_media.absorption.is_black() {
-            prepared.report.notes.push(
-                "the camera stands inside of something that absorbs light: behind the first \
-                 surface in front of it, which is seen from its back"
-                    .to_owned(),
-            );
+            prepared.report.notes.push(Place::Camera.note(
+                "it stands inside of something that absorbs light: behind the first \
+                 surface in front of it, which is seen from its back",
+            ));
         }
         prepared
     }
@@ -645,9 +647,9 @@ impl Assembly {
         if self.enclosures[number].inside_out {
             self.turn(first_triangle);
             let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
-            self.notes.push(format!(
+            self.notes.push(Place::Object(number).note(format!(
                 "{name} is wound inside out; its triangles are turned, so that glass is inside"
-            ));
+            )));
         }
 
         if !mesh.normals.is_empty() {
@@ -723,9 +725,10 @@ impl Assembly {
             } else {
                 "that is too little or too much to measure"
             };
-            self.notes.push(format!(
-                "object {number} is a lamp of {area:.3e} m² and gives no light: {why}"
-            ));
+            self.notes.push(
+                Place::Object(number)
+                    .note(format!("a lamp of {area:.3e} m² that gives no light: {why}")),
+            );
         }
         shines.then_some(Glow { radiance, two_sided })
     }

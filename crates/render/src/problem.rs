@@ -15,6 +15,30 @@ pub struct SceneProblem {
     pub what: String,
 }
 
+/// What a person should know about a scene that is rendered all the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Note {
+    /// The part of the scene, if it is about one.
+    pub place: Option<Place>,
+    /// What was mended, or is lost.
+    pub what: String,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place {
+            Some(place) => write!(f, "{place}: {}", self.what),
+            None => write!(f, "{}", self.what),
+        }
+    }
+}
+
+impl From<String> for Note {
+    fn from(what: String) -> Self {
+        Self { place: None, what }
+    }
+}
+
 /// A part of a scene. The numbers count in the arrays of [`Scene`](crate::scene::Scene).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "each is named after the part it means")]
@@ -46,6 +70,11 @@ impl Place {
     /// A problem here: `what` is wrong with `key`.
     pub(crate) fn problem(self, key: &'static str, what: impl Into<String>) -> SceneProblem {
         SceneProblem { place: self, key, what: what.into() }
+    }
+
+    /// A note about this.
+    pub(crate) fn note(self, what: impl Into<String>) -> Note {
+        Note { place: Some(self), what: what.into() }
     }
 
     /// Checks that every number lies in `range`, which NaN never does.

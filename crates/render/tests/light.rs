@@ -511,7 +511,11 @@ fn broken_pixels_are_mended_and_counted() {
     let scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(image));
     let scene = Prepared::new(&scene).unwrap();
     assert!(
-        scene.report().notes.iter().any(|n| n.contains("3 of its pixels")),
+        scene
+            .report()
+            .notes
+            .iter()
+            .any(|n| n.to_string().starts_with("environment: 3 of its pixels")),
         "{:?}",
         scene.report().notes
     );

@@ -329,7 +329,10 @@ fn too_many_media_break_nothing() {
     }
     let prepared = Prepared::new(&scene).unwrap();
     let notes = &prepared.report().notes;
-    assert!(notes[0].starts_with("30 materials have a priority; where more than 8"), "{notes:?}");
+    assert!(
+        notes[0].what.starts_with("30 materials have a priority; where more than 8"),
+        "{notes:?}"
+    );
     let (shells, _) = mean(&render(&scene, small(64)), "G");
     assert!(shells > 0.1 && shells < 2.0, "{shells}");
 }

@@ -54,7 +54,13 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     ));
 
     scene.validate().map_err(|problem| SceneError::invalid_file(path, problem.to_string()))?;
-    Ok(LoadedScene { scene, settings, display: Default::default(), notes })
+    Ok(LoadedScene {
+        scene,
+        settings,
+        display: Default::default(),
+        notes,
+        lines: Default::default(),
+    })
 }
 
 /// A matte grey that shows form: neither white nor dark.

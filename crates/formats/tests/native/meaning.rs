@@ -34,7 +34,7 @@ fn corners(scene: &Scene) -> [Vec3; 4] {
 /// The documentation's example uses most keys; each must arrive where it belongs.
 #[test]
 fn the_documented_example_means_what_it_says() {
-    let LoadedScene { scene, settings, display, notes } =
+    let LoadedScene { scene, settings, display, notes, .. } =
         parse(documented_example()).expect("a scene");
     assert_eq!(notes, [] as [&str; 0]);
     assert_eq!(display, Display { exposure: 0.5, curve: Curve::Filmic });
@@ -111,7 +111,7 @@ fn the_documented_example_means_what_it_says() {
 /// What is not said has the documented default.
 #[test]
 fn an_almost_empty_scene_has_the_defaults() {
-    let LoadedScene { scene, settings, display, notes } =
+    let LoadedScene { scene, settings, display, notes, .. } =
         parse("version = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]").expect("a scene");
     assert_eq!(settings, Settings::default());
     assert_eq!(display, Display { exposure: 0.0, curve: Curve::Clip });
@@ -452,4 +452,17 @@ fn directions_have_any_length() {
         assert!(near(up, [1.0, 0.0, 0.0]), "{length}: {up}");
         assert!(near(normal, [0.0, -1.0, 0.0]), "{length}: {normal}");
     }
+}
+
+/// What preparing a scene finds is told with the line that it comes from.
+#[test]
+fn notes_lead_to_their_lines() {
+    let lamp = "[[material]]\nname = \"lamp\"\ntype = \"emissive\"\npower = 1\n\
+                [[shape]]\ntype = \"disk\"\nradius = 1e-30\nmaterial = \"lamp\"";
+    let loaded = read(lamp);
+    let prepared = rutilant::Prepared::new(&loaded.scene).expect("a sound scene");
+    let notes = prepared.report().notes.iter();
+    let said: Vec<_> = notes.map(|note| loaded.locate(note, "scene.toml".as_ref())).collect();
+    assert!(said[0].starts_with("scene.toml:12: a lamp of 3.142e-60 m²"), "{said:?}");
+    assert!(said[1].starts_with("scene.toml: nothing gives light"), "{said:?}");
 }

@@ -108,7 +108,7 @@ impl<'d> Document<'d> {
     }
 
     /// The number of the line that holds byte `at`, from 1, and the byte where it begins.
-    fn line(&self, at: usize) -> (u32, usize) {
+    pub(super) fn line(&self, at: usize) -> (u32, usize) {
         let number = self.lines.partition_point(|start| *start <= at).max(1);
         (u32::try_from(number).unwrap_or(u32::MAX), self.lines[number - 1])
     }

@@ -115,7 +115,8 @@ fn parse_here(
 
     // Whether all of it makes sense.
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
-    Ok(LoadedScene { scene: draft.scene, settings, display, notes: draft.notes })
+    let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
+    Ok(LoadedScene { scene: draft.scene, settings, display, notes: draft.notes, lines })
 }
 
 /// The version of the format that is read here.

@@ -46,6 +46,11 @@ impl<'d> Table<'d> {
         self.document.error(self.at, kind)
     }
 
+    /// The number of the line that it begins in, from 1.
+    pub(super) fn line(&self) -> u32 {
+        self.document.line(self.at).0
+    }
+
     /// Something that a person should know about the table.
     pub(super) fn note(&self, what: &str) -> String {
         self.document.note(self.at, what)
