@@ -1,0 +1,348 @@
+//! A scene is put together: shapes become surfaces in the world, and what shines emitters.
+
+use super::material::{passes, prepare_materials};
+use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
+use crate::color::{Rgb, Spectrum};
+use crate::light::{
+    DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, ParallelogramEmitter, SphereEmitter,
+    TriangleEmitter,
+};
+use crate::material::{Emission, EmittedLight, Material};
+use crate::medium::{Border, Media};
+use crate::problem::{LIGHT, Note, Place};
+use crate::scene::Scene;
+use crate::shape::{Mesh, Object, Shape};
+use crate::winding::{Enclosure, enclosures};
+use rutilant_geom::{BuildOptions, Custom, Disk, Sphere, Surfaces, Transform, Vec2, Vec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A scene on its way to being prepared.
+#[derive(Default)]
+pub(super) struct Assembly {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    spheres: Vec<Sphere>,
+    disks: Vec<Disk>,
+    customs: Vec<Custom>,
+    /// The objects of the triangles, the spheres, the disks and the custom shapes, in their order.
+    objects_of: [Vec<u32>; 4],
+    objects: Vec<PreparedObject>,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    emitters: Vec<Emitter>,
+    some_pass: bool,
+    /// What each object encloses.
+    enclosures: Vec<Enclosure>,
+    notes: Vec<Note>,
+}
+
+impl Assembly {
+    pub(super) fn finish(mut self, scene: &Scene, options: &BuildOptions) -> Prepared {
+        self.enclosures = enclosures(scene);
+        for (number, object) in scene.objects.iter().enumerate() {
+            self.add(number, object, scene);
+        }
+        self.emitters.extend(scene.lights.iter().map(Light::prepare));
+        let environment = scene.environment.as_ref().map(|environment| {
+            let (sky, mended) = EnvironmentEmitter::new(environment, &scene.images);
+            if mended > 0 {
+                self.notes.push(Place::Environment.note(format!(
+                    "{mended} of its pixels, negative, infinite or no numbers, give no light"
+                )));
+            }
+            self.add_emitter(Emitter::Environment(sky))
+        });
+
+        let (triangles, spheres, disks, customs) =
+            (self.triangles.len(), self.spheres.len(), self.disks.len(), self.customs.len());
+        let surfaces = Surfaces::with_custom(
+            self.positions,
+            self.triangles,
+            self.spheres,
+            self.disks,
+            self.customs,
+            options,
+        );
+        let left_out = surfaces.report().left_out;
+        if left_out.count > 0 {
+            let (count, first) = (left_out.count, left_out.first.unwrap_or(0));
+            let are = if count == 1 { "is" } else { "are" };
+            self.notes.push(format!(
+                "{count} of the surfaces {are} left out: without area, infinite or no numbers (the first is number {first})"
+            ).into());
+        }
+        // Whether light from infinitely far away is none does not depend on the scene's size.
+        let dark = |e: &Emitter| !e.is_custom() && e.power(1.0).is_black();
+        if self.emitters.iter().all(dark) {
+            self.notes.push("nothing gives light: the picture will be black".to_owned().into());
+        }
+        let (materials, custom_materials) = prepare_materials(&scene.materials);
+        let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
+        ranked.retain(|b| b.rank.is_some());
+        ranked.sort_unstable_by_key(|b| b.rank);
+        let ranked_media: Vec<_> = ranked.into_iter().map(|b| b.interior).collect();
+        if ranked_media.len() > Media::MOST {
+            self.notes.push(format!(
+                "{} materials have a priority; where more than {} overlap, the weakest are overlooked",
+                ranked_media.len(),
+                Media::MOST
+            ).into());
+        }
+        let report = PrepareReport {
+            triangles: triangles as u64,
+            spheres: spheres as u64,
+            disks: disks as u64,
+            customs: customs as u64,
+            materials: scene.materials.len() as u64,
+            emitters: self.emitters.len() as u64,
+            bounds: surfaces.bounds(),
+            bvh: *surfaces.report(),
+            notes: self.notes,
+        };
+        let mut prepared = Prepared {
+            camera: scene.camera,
+            surfaces,
+            object_of_primitive: self.objects_of.concat(),
+            objects: self.objects,
+            normals: self.normals,
+            uvs: self.uvs,
+            materials,
+            custom_materials,
+            light_beyond_sampling: !ranked_media.is_empty()
+                || self.emitters.iter().any(Emitter::is_custom),
+            ranked_media,
+            emitters: self.emitters,
+            environment,
+            camera_media: Media::NONE,
+            some_pass: self.some_pass,
+            report,
+        };
+        prepared.camera_media = prepared.media_at(scene.camera.axis());
+        if !prepared.camera_media.absorption.is_black() {
+            prepared.report.notes.push(Place::Camera.note(
+                "it stands inside of something that absorbs light: behind the first \
+                 surface in front of it, which is seen from its back",
+            ));
+        }
+        prepared
+    }
+
+    fn add(&mut self, number: usize, object: &Object, scene: &Scene) {
+        let material = &scene.materials[object.material.0 as usize];
+        let world_from_object = &object.world_from_object;
+        let mut prepared = PreparedObject {
+            material: object.material.0,
+            closed: self.enclosures[number].closed,
+            emitters: ObjectEmitters::None,
+            first_primitive: self.triangles.len() as u32,
+            first_vertex: self.positions.len() as u32,
+            first_normal: None,
+            first_uv: None,
+        };
+        // What neither scatters nor glows is left out.
+        if passes(material) && !material.gives_light() {
+            self.objects.push(prepared);
+            return;
+        }
+        self.some_pass |= passes(material);
+        match &object.shape {
+            Shape::Mesh(id) => {
+                let mesh = &scene.meshes[id.0 as usize];
+                self.add_mesh(mesh, number, object, material, &mut prepared);
+            }
+            Shape::Box { size } => {
+                self.add_mesh(&box_mesh(*size), number, object, material, &mut prepared);
+            }
+            Shape::Rectangle { size } => {
+                let corners = self.add_rectangle(*size, world_from_object, number);
+                let area = 2.0 * triangle_area(corners);
+                if let Some(glow) = self.glow(number, material, area) {
+                    let emitter = ParallelogramEmitter::new(corners, glow);
+                    prepared.emitters =
+                        ObjectEmitters::One(self.add_emitter(Emitter::Parallelogram(emitter)));
+                }
+            }
+            Shape::Sphere { radius } => {
+                let scale = world_from_object.uniform_scale().unwrap_or(1.0);
+                let center = world_from_object.translation();
+                let sphere = Sphere { center, radius: *radius * scale };
+                self.spheres.push(sphere);
+                self.objects_of[1].push(number as u32);
+                let radius = f64::from(sphere.radius);
+                let area = 4.0 * PI * radius * radius;
+                if let Some(glow) = self.glow(number, material, area) {
+                    prepared.emitters = ObjectEmitters::One(
+                        self.add_emitter(Emitter::Sphere(SphereEmitter { sphere, glow })),
+                    );
+                }
+            }
+            Shape::Disk { radius } => {
+                let axis = |v: Vec3| world_from_object.vector(v * *radius);
+                // The normal keeps its side when the transform mirrors.
+                let (u, v) = if world_from_object.mirrors() {
+                    (axis(Vec3::Y), axis(Vec3::X))
+                } else {
+                    (axis(Vec3::X), axis(Vec3::Y))
+                };
+                let disk = Disk { center: world_from_object.translation(), u, v };
+                self.disks.push(disk);
+                self.objects_of[2].push(number as u32);
+                let area = PI * u.as_dvec3().cross(v.as_dvec3()).length();
+                if let Some(glow) = self.glow(number, material, area) {
+                    let emitter = Emitter::Disk(DiskEmitter::new(disk, glow));
+                    prepared.emitters = ObjectEmitters::One(self.add_emitter(emitter));
+                }
+            }
+            Shape::Custom(shape) => {
+                self.customs.push(Custom::new(Arc::clone(shape), world_from_object));
+                self.objects_of[3].push(number as u32);
+                // The area is of no account: only a radiance is accepted.
+                if let Some(glow) = self.glow(number, material, 1.0) {
+                    let emitter = self.add_emitter(Emitter::Custom(glow));
+                    prepared.emitters = ObjectEmitters::One(emitter);
+                }
+            }
+        }
+        self.objects.push(prepared);
+    }
+
+    fn add_mesh(
+        &mut self,
+        mesh: &Mesh,
+        number: usize,
+        object: &Object,
+        material: &Material,
+        prepared: &mut PreparedObject,
+    ) {
+        let transform = &object.world_from_object;
+        let first = prepared.first_vertex;
+        let first_triangle = self.triangles.len();
+        self.positions.extend(mesh.positions.iter().map(|&p| transform.point(p)));
+        self.triangles.extend(mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+        self.objects_of[0].resize(self.triangles.len(), number as u32);
+
+        // The winding says what is outside. A mirrored mesh is turned back, and so is glass that
+        // is wound inside out.
+        if transform.mirrors() {
+            self.turn(first_triangle);
+        }
+        if self.enclosures[number].inside_out {
+            self.turn(first_triangle);
+            let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
+            self.notes.push(Place::Object(number).note(format!(
+                "{name} is wound inside out; its triangles are turned, so that glass is inside"
+            )));
+        }
+
+        if !mesh.normals.is_empty() {
+            prepared.first_normal = Some(self.normals.len() as u32);
+            let normals = mesh.normals.iter();
+            self.normals.extend(normals.map(|&n| transform.normal(n).normalize_or_zero()));
+        }
+        if !mesh.uvs.is_empty() {
+            prepared.first_uv = Some(self.uvs.len() as u32);
+            self.uvs.extend_from_slice(&mesh.uvs);
+        }
+        self.add_triangle_emitters(first_triangle, number, material, prepared);
+    }
+
+    /// Makes the triangles from `first` on shine, if the material does.
+    fn add_triangle_emitters(
+        &mut self,
+        first: usize,
+        number: usize,
+        material: &Material,
+        prepared: &mut PreparedObject,
+    ) {
+        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
+        let area = self.triangles[first..].iter().map(|t| triangle_area(corners(t)));
+        // Triangles that are no numbers give no light.
+        let area = area.filter(|a| a.is_finite()).sum();
+        let Some(glow) = self.glow(number, material, area) else { return };
+        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
+        let emitters = self.triangles[first..]
+            .iter()
+            .map(|t| Emitter::Triangle(TriangleEmitter::new(corners(t), glow)));
+        let emitters: Vec<Emitter> = emitters.collect();
+        prepared.emitters = ObjectEmitters::Each(self.emitters.len() as u32);
+        self.emitters.extend(emitters);
+    }
+
+    /// Adds two triangles; returns the corner and its two neighbours.
+    fn add_rectangle(&mut self, size: Vec2, transform: &Transform, number: usize) -> [Vec3; 3] {
+        let (x, y) = (0.5 * size.x, 0.5 * size.y);
+        let mut corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
+            .map(|(x, y)| transform.point(Vec3::new(x, y, 0.0)));
+        if transform.mirrors() {
+            corners.swap(1, 3);
+        }
+        let first = self.positions.len() as u32;
+        self.positions.extend(corners);
+        self.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|v| v + first)));
+        self.objects_of[0].resize(self.triangles.len(), number as u32);
+        [corners[0], corners[1], corners[3]]
+    }
+
+    /// The light of object `number`, of `area` m², with this material.
+    fn glow(&mut self, number: usize, material: &Material, area: f64) -> Option<Glow> {
+        let Emission { light, two_sided } = material.emission?;
+        let sides = if two_sided { 2.0 } else { 1.0 };
+        let (light_rgb, radiance) = match light {
+            EmittedLight::Radiance(rgb) => (rgb, Spectrum::from(rgb)),
+            EmittedLight::Power(rgb) => {
+                let per_radiance = PI * area * sides;
+                (rgb, Spectrum::from(rgb).map(|power| (f64::from(power) / per_radiance) as f32))
+            }
+        };
+        if light_rgb == Rgb::BLACK {
+            return None;
+        }
+        // Emitters keep their areas in single precision.
+        let measurable = area as f32 > 0.0 && (area as f32).is_finite();
+        let bearable = LIGHT.contains(&radiance.max_channel());
+        let shines = measurable && bearable && !radiance.is_black();
+        if !shines {
+            let why = if measurable {
+                "its power cannot be spread over it"
+            } else {
+                "that is too little or too much to measure"
+            };
+            self.notes.push(
+                Place::Object(number)
+                    .note(format!("a lamp of {area:.3e} m² that gives no light: {why}")),
+            );
+        }
+        shines.then_some(Glow { radiance, two_sided })
+    }
+
+    fn add_emitter(&mut self, emitter: Emitter) -> u32 {
+        self.emitters.push(emitter);
+        (self.emitters.len() - 1) as u32
+    }
+
+    /// Turns the triangles from `first` on: their backs become their fronts.
+    fn turn(&mut self, first: usize) {
+        self.triangles[first..].iter_mut().for_each(|t| t.swap(1, 2));
+    }
+}
+
+/// In m².
+fn triangle_area(corners: [Vec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// A box around the origin with outward normals, its corners shared so that no ray slips through.
+fn box_mesh(size: Vec3) -> Mesh {
+    let half = 0.5 * size;
+    let positions = (0..8)
+        .map(|i| {
+            half * Vec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }))
+        })
+        .collect();
+    let faces =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh { name: "box".into(), positions, triangles, ..Mesh::default() }
+}

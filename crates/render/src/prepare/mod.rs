@@ -1,0 +1,36 @@
+//! From what the author wrote to what can be traced: slow, once, and the last place that can fail.
+//!
+//! A [`Prepared`] scene is flat: arrays that point into each other by number.
+//! Shapes become triangles, spheres, disks and custom surfaces in the world under one tree,
+//! materials become BSDFs, everything that shines becomes an emitter.
+
+mod assembly;
+mod material;
+mod prepared;
+
+pub(crate) use material::PreparedMaterial;
+pub use prepared::{PrepareReport, Prepared};
+
+use crate::scene::{Scene, SceneProblem};
+use assembly::Assembly;
+use rutilant_geom::BuildOptions;
+
+impl Prepared {
+    /// Makes a scene traceable.
+    ///
+    /// # Errors
+    /// What [`Scene::validate`] finds. Broken triangles are no error: they are left out, counted
+    /// and reported.
+    pub fn new(scene: &Scene) -> Result<Self, SceneProblem> {
+        Self::with_options(scene, &BuildOptions::default())
+    }
+
+    /// The same with a say in how the tree is built.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_options(scene: &Scene, options: &BuildOptions) -> Result<Self, SceneProblem> {
+        scene.validate()?;
+        Ok(Assembly::default().finish(scene, options))
+    }
+}

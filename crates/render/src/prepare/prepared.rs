@@ -1,0 +1,365 @@
+//! A scene as rays find it: what they meet, what that is made of, what gives light.
+
+use super::material::PreparedMaterial;
+use crate::camera::Camera;
+use crate::interaction::SurfaceInteraction;
+use crate::light::{Emitter, EnvironmentEmitter};
+use crate::material::{CustomMaterial, SurfacePoint};
+use crate::medium::{Border, Media, PreparedMedium};
+use crate::problem::Note;
+use crate::settings::{IntegratorKind, Settings, Strategy};
+use rutilant_geom::{Aabb, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A scene that rays can be traced through. It does not change any more.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    pub(crate) camera: Camera,
+    pub(super) surfaces: Surfaces,
+    /// The object of each primitive.
+    pub(super) object_of_primitive: Vec<u32>,
+    pub(super) objects: Vec<PreparedObject>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) materials: Vec<PreparedMaterial>,
+    pub(super) custom_materials: Vec<Arc<dyn CustomMaterial>>,
+    /// Those with a priority, the strongest first.
+    pub(super) ranked_media: Vec<PreparedMedium>,
+    pub(super) emitters: Vec<Emitter>,
+    /// The emitter that is the sky.
+    pub(super) environment: Option<u32>,
+    /// What the camera stands in.
+    pub(super) camera_media: Media,
+    /// True where scattered rays may find light that light sampling cannot.
+    pub(super) light_beyond_sampling: bool,
+    /// Whether there is a surface that rays pass.
+    pub(super) some_pass: bool,
+    pub(super) report: PrepareReport,
+}
+
+/// What came of a scene.
+#[derive(Clone, Debug)]
+pub struct PrepareReport {
+    /// Triangles that stand in the world.
+    pub triangles: u64,
+    /// Spheres.
+    pub spheres: u64,
+    /// Disks.
+    pub disks: u64,
+    /// Custom shapes.
+    pub customs: u64,
+    /// Materials.
+    pub materials: u64,
+    /// Emitters: lights, glowing triangles and shapes, the sky.
+    pub emitters: u64,
+    /// The smallest box around everything.
+    pub bounds: Aabb,
+    /// The tree.
+    pub bvh: BuildReport,
+    /// What was mended on the way, in words for the author.
+    pub notes: Vec<Note>,
+}
+
+/// An object in the world.
+#[derive(Clone, Debug)]
+pub(super) struct PreparedObject {
+    pub(super) material: u32,
+    /// It encloses a space by itself.
+    pub(super) closed: bool,
+    pub(super) emitters: ObjectEmitters,
+    pub(super) first_primitive: u32,
+    pub(super) first_vertex: u32,
+    /// Where its vertex normals start in the common array, if it has some.
+    pub(super) first_normal: Option<u32>,
+    /// Where its texture coordinates start in the common array, if it has some.
+    pub(super) first_uv: Option<u32>,
+}
+
+/// Which emitters an object is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum ObjectEmitters {
+    None,
+    /// The object as a whole.
+    One(u32),
+    /// Each primitive its own, from this number on.
+    Each(u32),
+}
+
+impl Prepared {
+    /// What came of the scene.
+    pub fn report(&self) -> &PrepareReport {
+        &self.report
+    }
+
+    /// What a person should know about a rendering of this scene with these settings.
+    pub fn notes_for(&self, settings: &Settings) -> Vec<Note> {
+        let meets = match (settings.integrator, settings.strategy) {
+            (IntegratorKind::Naive, _) => "the integrator \"naive\"",
+            (IntegratorKind::Path, Strategy::BsdfOnly) => "the strategy \"bsdf\"",
+            (IntegratorKind::Path, Strategy::Both | Strategy::LightOnly)
+            | (
+                IntegratorKind::Direct
+                | IntegratorKind::AmbientOcclusion
+                | IntegratorKind::Normals
+                | IntegratorKind::Albedo
+                | IntegratorKind::Depth,
+                _,
+            ) => return Vec::new(),
+        };
+        let unmet = self.emitters.iter().filter(|e| !e.can_be_met()).count();
+        let what = match self.emitters.len() - unmet {
+            _ if unmet == 0 => return Vec::new(),
+            0 => "there are no others: the picture will be black",
+            _ => "these give no light here",
+        };
+        vec![
+            format!(
+                "{meets} finds only what rays meet, which point, spot and directional lights are \
+                 not; {what}"
+            )
+            .into(),
+        ]
+    }
+
+    /// The surface that a ray meets first.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.surfaces.closest(ray)
+    }
+
+    /// Whether anything is in a ray's way that rays do not pass.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if self.some_pass { self.occluded_behind_flames(ray) } else { self.surfaces.occluded(ray) }
+    }
+
+    fn occluded_behind_flames(&self, ray: &Ray) -> bool {
+        let mut ahead = *ray;
+        while let Some(hit) = self.closest(&ahead) {
+            if !self.materials[self.object(&hit).material as usize].passes {
+                return true;
+            }
+            ahead.t_min = hit.t.next_up();
+        }
+        false
+    }
+
+    /// What a ray that came along the unit vector `direction` finds at `hit`.
+    pub fn interaction(&self, hit: &Hit, direction: Vec3) -> SurfaceInteraction {
+        let object = self.object(hit);
+        let emitter = match object.emitters {
+            ObjectEmitters::None => None,
+            ObjectEmitters::One(emitter) => Some(emitter),
+            ObjectEmitters::Each(first) => Some(first + (hit.primitive - object.first_primitive)),
+        };
+        let flat =
+            SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
+        let Some(first_normal) = object.first_normal else { return flat };
+        let vertices = self.surfaces.triangles()[hit.primitive as usize];
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let corners = std::array::from_fn(|i| {
+            let normal = self.normals[(vertices[i] - object.first_vertex + first_normal) as usize];
+            (self.surfaces.positions()[vertices[i] as usize], normal, weights[i])
+        });
+        let normal = corners.iter().fold(Vec3::ZERO, |sum, (_, n, w)| sum + *n * *w);
+        flat.smoothed(normal, corners)
+    }
+
+    /// How much the shading normal at `hit` changes over a `step` along the surface, times the
+    /// step's length: zero where the surface is flat and looks it.
+    pub(crate) fn normal_change(&self, hit: &Hit, step: DVec3) -> DVec3 {
+        let triangles = self.surfaces.triangles();
+        let Some(vertices) = triangles.get(hit.primitive as usize) else {
+            let sphere = self.surfaces.spheres().get(hit.primitive as usize - triangles.len());
+            return sphere.map_or(DVec3::ZERO, |sphere| step / f64::from(sphere.radius));
+        };
+        let object = self.object(hit);
+        let Some(first_normal) = object.first_normal else { return DVec3::ZERO };
+        let [a, b, c] = vertices.map(|v| {
+            let normal = self.normals[(v - object.first_vertex + first_normal) as usize];
+            (self.surfaces.positions()[v as usize].as_dvec3(), normal.as_dvec3())
+        });
+
+        // The step as parts of two edges.
+        let (p, q) = (b.0 - a.0, c.0 - a.0);
+        let (pp, pq, qq) = (p.dot(p), p.dot(q), q.dot(q));
+        let (sp, sq, area2) = (step.dot(p), step.dot(q), pp * qq - pq * pq);
+        let (u, v) = ((qq * sp - pq * sq) / area2, (pp * sq - pq * sp) / area2);
+        let (along_p, along_q) = (b.1 - a.1, c.1 - a.1);
+        let normal = a.1 + along_p * f64::from(hit.u) + along_q * f64::from(hit.v);
+        let change = along_p * u + along_q * v;
+
+        // What of it turns the unit normal.
+        let length = normal.length();
+        if length == 0.0 {
+            return DVec3::ZERO;
+        }
+        let unit = normal / length;
+        let front = if unit.dot(hit.normal.as_dvec3()) < 0.0 { -1.0 } else { 1.0 };
+        (change - unit * change.dot(unit)) * (front / length)
+    }
+
+    /// Texture coordinates at a hit: interpolated where the mesh has some, else the hit's own
+    /// parameters (barycentric weights for triangles).
+    pub fn uv(&self, hit: &Hit) -> Vec2 {
+        let object = self.object(hit);
+        let Some(first_uv) = object.first_uv else { return Vec2::new(hit.u, hit.v) };
+        let vertices = self.surfaces.triangles()[hit.primitive as usize];
+        let [a, b, c] = vertices.map(|v| self.uvs[(v - object.first_vertex + first_uv) as usize]);
+        a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
+    }
+
+    /// What the camera stands in.
+    pub(crate) fn camera_media(&self) -> Media {
+        self.camera_media
+    }
+
+    /// True where scattered rays may find light that light sampling cannot: beyond surfaces that
+    /// are no borders, and on custom shapes.
+    pub(crate) fn light_beyond_sampling(&self) -> bool {
+        self.light_beyond_sampling
+    }
+
+    /// What the ray's origin is inside of, seen through everything on its way: the bodies that it
+    /// leaves more often than it enters them. The first border has the last word on what absorbs.
+    pub(super) fn media_at(&self, mut ray: Ray) -> Media {
+        /// Behind so many surfaces nothing is looked for any more.
+        const SURFACES: usize = 1000;
+        let (mut media, mut first) = (Media::NONE, None);
+        let mut entered = BTreeMap::<u32, u32>::new();
+        // Without a priority: how often each material was entered, and what is left by its back
+        // without having been entered, the innermost first. Open sheets enclose nothing; the
+        // first of them tells where it stands.
+        let (mut entered_declared, mut around) = (BTreeMap::<u32, u32>::new(), Vec::new());
+        for _ in 0..SURFACES {
+            let Some(hit) = self.closest(&ray) else { break };
+            let &PreparedObject { material: number, closed, .. } = self.object(&hit);
+            let material = &self.materials[number as usize];
+            let from_front = hit.normal.dot(ray.direction) < 0.0;
+            let across = |direction| offset_origin(hit.position, hit.normal, direction);
+            let ends = [across(-ray.direction), across(ray.direction)];
+            if let Some(border) = material.border {
+                first = first.or(Some((border, from_front)));
+                if border.rank.is_none() && closed {
+                    let entered = entered_declared.entry(number).or_default();
+                    match (from_front, *entered) {
+                        (true, _) => *entered += 1,
+                        (false, 0) => around.push(border),
+                        (false, _) => *entered -= 1,
+                    }
+                }
+            }
+            // How often it is entered and left between here and there.
+            let mut note = |rank: u32, from_front: bool| {
+                let entered = entered.entry(rank).or_default();
+                match (from_front, *entered) {
+                    (true, _) => *entered += 1,
+                    (false, 0) => media.pass(rank, true),
+                    (false, _) => *entered -= 1,
+                }
+            };
+            if let Some(rank) = material.rank() {
+                note(rank, from_front);
+                self.each_that_touches(&ray, &hit, ends, note);
+            }
+            ray.origin = ends[1];
+        }
+        for border in around.iter().rev() {
+            media.arrive_declared(border, true);
+            media.pass_declared(border, true);
+        }
+        match first {
+            None => {}
+            Some((Border { rank: Some(_), exterior, .. }, _)) => {
+                media.fill(&exterior, self.ranked_media());
+            }
+            Some((border, from_front)) => media.arrive_declared(&border, from_front),
+        }
+        media
+    }
+
+    /// The media with a priority, the strongest first.
+    pub(crate) fn ranked_media(&self) -> &[PreparedMedium] {
+        &self.ranked_media
+    }
+
+    /// The ranks of all bodies with a priority whose surfaces touch the one that was hit, that is,
+    /// lie between `ends` as well; and whether the ray comes from their fronts. Each object counts
+    /// once from each side, for a ray may run through an edge of two triangles; the object that
+    /// was hit is left out.
+    pub(crate) fn each_that_touches(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        ends: [Vec3; 2],
+        mut touches: impl FnMut(u32, bool),
+    ) {
+        let object_of = |primitive: u32| self.object_of_primitive[primitive as usize];
+        // More objects than this do not touch at one place.
+        let mut known = [(object_of(hit.primitive), None); 2 * Media::MOST];
+        let mut count = 1;
+        self.surfaces.at_the_same_place(ray, hit, ends, |primitive, from_front| {
+            let object = object_of(primitive);
+            let material = self.objects[object as usize].material;
+            let Some(rank) = self.materials[material as usize].rank() else { return };
+            let side = Some(from_front);
+            let counted = |k: &(u32, Option<bool>)| k.0 == object && (k.1.is_none() || k.1 == side);
+            if count < known.len() && !known[..count].iter().any(counted) {
+                known[count] = (object, side);
+                count += 1;
+                touches(rank, from_front);
+            }
+        });
+    }
+
+    /// The material of a surface, as far as it is the same everywhere.
+    pub(crate) fn material(&self, interaction: &SurfaceInteraction) -> &PreparedMaterial {
+        &self.materials[interaction.material as usize]
+    }
+
+    /// A custom material as it is where it was hit; `None` for all others.
+    pub(crate) fn custom_at(
+        &self,
+        hit: &Hit,
+        material: &PreparedMaterial,
+    ) -> Option<PreparedMaterial> {
+        let custom = &self.custom_materials[material.custom? as usize];
+        let point = SurfacePoint { position: hit.position, normal: hit.normal, uv: self.uv(hit) };
+        Some(PreparedMaterial { bsdf: custom.bsdf(&point), ..*material })
+    }
+
+    /// Everything that shines.
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// The sky's number among the emitters, and the sky.
+    pub(crate) fn environment(&self) -> Option<(usize, &EnvironmentEmitter)> {
+        let number = self.environment? as usize;
+        match &self.emitters[number] {
+            Emitter::Environment(sky) => Some((number, sky)),
+            Emitter::Point(_)
+            | Emitter::Spot(_)
+            | Emitter::Distant(_)
+            | Emitter::Triangle(_)
+            | Emitter::Parallelogram(_)
+            | Emitter::Disk(_)
+            | Emitter::Sphere(_)
+            | Emitter::Custom(_) => None,
+        }
+    }
+
+    /// Half the diagonal of the scene's bounds, in metres; 1 for a scene without surfaces.
+    pub(crate) fn radius(&self) -> f32 {
+        radius_of(&self.report.bounds)
+    }
+
+    fn object(&self, hit: &Hit) -> &PreparedObject {
+        &self.objects[self.object_of_primitive[hit.primitive as usize] as usize]
+    }
+}
+
+/// Half the diagonal, in metres; 1 for a scene without surfaces.
+fn radius_of(bounds: &Aabb) -> f32 {
+    if bounds.is_empty() { 1.0 } else { 0.5 * bounds.extent().length() }
+}
