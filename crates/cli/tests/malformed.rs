@@ -97,7 +97,7 @@ const AFTER_HEAD: &[(&str, &str)] = &[
         "[[light]]\ntype = \"point\"\nposition = [0, 0]\nintensity = 1",
         ":10:12: position must be three numbers [x, y, z], not an array with 2 entries",
     ),
-    ("[environment]\ncolor = -1", ":9:9: color is -1, but must be 0 or more"),
+    ("[environment]\ncolor = -1", ":9:9: color is -1, but must lie between 0 and 1e18"),
     // Files that a scene names.
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"../secret.obj\"\nmaterial = \"grey\"",

@@ -421,7 +421,12 @@ fn changes_to_materials_are_noted() {
         (
             "Ke -1 0 0",
             matte(0.8, 0.8, 0.8),
-            "a.mtl:1: material \"m\": Ke -1 0 0 is brought into the range 0 or more",
+            "a.mtl:1: material \"m\": Ke -1 0 0 is brought into the range 0 to 1e18",
+        ),
+        (
+            "Ke 3e20 0 0",
+            matte(0.8, 0.8, 0.8),
+            "a.mtl:1: material \"m\": Ke 300000000000000000000 0 0 is brought into the range 0 to 1e18",
         ),
     ];
     for (body, kind, note) in cases {

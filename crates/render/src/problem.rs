@@ -108,9 +108,11 @@ pub(crate) fn number(v: f32) -> String {
 pub(crate) const FINITE: RangeInclusive<f32> = f32::MIN..=f32::MAX;
 /// Zero or more.
 pub(crate) const NOT_NEGATIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
-/// An amount of light. What is computed from it stays a finite number, its square among them, of
-/// which variances are made.
-pub(crate) const LIGHT: RangeInclusive<f32> = 0.0..=1e18;
+/// The most light that a scene may ask for, whatever its unit. What is computed from it stays a
+/// finite number, its square among them, of which variances are made.
+pub const MOST_LIGHT: f32 = 1e18;
+/// An amount of light.
+pub(crate) const LIGHT: RangeInclusive<f32> = 0.0..=MOST_LIGHT;
 /// More than zero.
 pub(crate) const POSITIVE: RangeInclusive<f32> = f32::MIN_POSITIVE..=f32::MAX;
 /// A part of a whole.

@@ -4,7 +4,7 @@
 //! [`Scene::validate`] and made traceable by [`Prepared::new`](crate::Prepared::new).
 
 pub use crate::id::{ImageId, MaterialId, MeshId};
-pub use crate::problem::{Note, Place, SceneProblem};
+pub use crate::problem::{MOST_LIGHT, Note, Place, SceneProblem};
 
 use crate::camera::Camera;
 use crate::image::Image;

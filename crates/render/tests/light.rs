@@ -4,7 +4,9 @@
 
 mod common;
 
-use common::{chi_square, family_wise, integrate_sphere, mean, random, render, small, well_spread};
+use common::{
+    chi_square_of_steps, family_wise, integrate_sphere, mean, random, render, small, well_spread,
+};
 use rutilant::Prepared;
 use rutilant::camera::Perspective;
 use rutilant::color::{Rgb, Spectrum};
@@ -247,7 +249,7 @@ fn samples_follow_the_density() {
     for (stream, (name, scene, from)) in all.iter().enumerate() {
         let scene = Prepared::new(scene).unwrap();
         let sample = |_, u| scene.emitters()[0].sample(*from, u).map(|s| s.wi);
-        let p = chi_square(100 + stream as u64, sample, |wi| pdf(&scene, *from, wi));
+        let p = chi_square_of_steps(100 + stream as u64, sample, |wi| pdf(&scene, *from, wi));
         assert!(p > level, "{name}: p = {p:e}");
     }
 }

@@ -42,7 +42,7 @@ use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
 };
-use rutilant::scene::MaterialId;
+use rutilant::scene::{MOST_LIGHT, MaterialId};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
@@ -328,7 +328,7 @@ impl<'a> Parser<'a> {
             self.opaque(&written, dark_kd, &shown)
         };
         let emission = written.ke.and_then(|ke| {
-            let radiance = self.clamped("Ke", ke, 0.0, f32::MAX, at, &shown);
+            let radiance = self.clamped("Ke", ke, 0.0, MOST_LIGHT, at, &shown);
             (radiance != Rgb::BLACK).then(|| Emission::radiance(radiance))
         });
         let materials = &mut self.library.materials;
@@ -440,10 +440,10 @@ impl<'a> Parser<'a> {
         let clamped = color.map(|c| c.clamp(least, most));
         if clamped != color {
             let [r, g, b] = color;
-            let range =
-                if most == f32::MAX { "0 or more".to_owned() } else { format!("0 to {most}") };
+            // With an exponent where there would be nothing but zeros.
+            let most = if most < 1e7 { most.to_string() } else { format!("{most:e}") };
             let what = format!(
-                "material {shown}: {keyword} {r} {g} {b} is brought into the range {range}"
+                "material {shown}: {keyword} {r} {g} {b} is brought into the range 0 to {most}"
             );
             self.note(at, &what);
         }

@@ -222,6 +222,17 @@ pub fn chi_square(
     pdf: impl Fn(Vec3) -> f32,
 ) -> f64 {
     let even = Focus { pole: Vec3::Z, width: f64::INFINITY };
+    chi_square_over(stream, &[Chart::new(even, 0.0)], 4, sample, pdf)
+}
+
+/// The same for densities with steps: between the points of a coarse integral a bright pixel of a
+/// sky can hide.
+pub fn chi_square_of_steps(
+    stream: u64,
+    sample: impl Fn(f32, Vec2) -> Option<Vec3>,
+    pdf: impl Fn(Vec3) -> f32,
+) -> f64 {
+    let even = Focus { pole: Vec3::Z, width: f64::INFINITY };
     chi_square_over(stream, &[Chart::new(even, 0.0)], 16, sample, pdf)
 }
 
