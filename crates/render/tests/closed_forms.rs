@@ -12,8 +12,8 @@ use rutilant::film::Filter;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
-    ThinDielectric,
+    Absorption, Conductor, Dielectric, Emission, HemisphereSampling, Material, MaterialKind, Matte,
+    Mirror, Mix, ThinDielectric,
 };
 use rutilant::scene::Scene;
 use rutilant::settings::{
@@ -175,6 +175,49 @@ fn mixes_of_white_and_mirror_vanish_in_the_furnace() {
         for way in all_ways(64) {
             assert_mean(&render(&scene, way), 1.0, 4.0);
         }
+    }
+}
+
+/// What evenly drawn directions cost: under an even sky of radiance L a sample of a plane of albedo
+/// a is 2 a L cos θ with cos θ even in 0..1, of variance a² L² / 3; one whose directions are drawn
+/// by the cosine is a L, always. A density that is not that of the directions, or a weight that
+/// has lost its cosine, shows here even where the mean is right.
+#[test]
+fn uniform_sampling_has_its_variance_and_cosine_sampling_none() {
+    let (albedo, sky, spp) = (0.6_f32, 1.75_f32, 1024_u32);
+    let with = |sampling, integrator| {
+        let mut scene = seen_from(Vec3::new(0.0, 2.0, 0.1), Vec3::ZERO, 0.5);
+        scene.environment = Some(Environment::constant(Rgb::grey(sky)));
+        let plane = scene.add_material(Matte { sampling, ..Matte::new(Rgb::grey(albedo)) });
+        let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
+        let shape = Shape::Rectangle { size: Vec2::splat(100.0) };
+        scene.objects.push(Object::new(shape, plane).transformed(&flat));
+        let filter = Filter::Box { radius: 0.5 };
+        let strategy = Strategy::BsdfOnly;
+        render(&scene, Settings { integrator, strategy, filter, ..small(spp.into()) })
+    };
+    let sent_back = f64::from(albedo * sky);
+    for integrator in [IntegratorKind::Path, IntegratorKind::Naive] {
+        let even = with(HemisphereSampling::Uniform, integrator);
+        assert_mean(&even, sent_back, 4.0);
+        let variances = even.channel("variance.G").unwrap();
+        let pixels = variances.len() as f64;
+        let mean = variances.iter().map(|&v| f64::from(v)).sum::<f64>() / pixels;
+        let (variance, expected) = (mean * f64::from(spp), sent_back * sent_back / 3.0);
+        // The estimated variance of n even numbers scatters by sqrt(0.8 / n) of itself: their
+        // fourth moment is 9/5 of the squared variance.
+        let error = expected * (0.8 / (pixels * f64::from(spp))).sqrt();
+        assert!(
+            (variance - expected).abs() < 4.0 * error,
+            "{integrator:?}: {variance} ± {error}, expected {expected}"
+        );
+
+        let by_cosine = with(HemisphereSampling::Cosine, integrator);
+        assert!(by_cosine.channel("G").unwrap().iter().all(|&v| v == albedo * sky));
+        // Nothing but the rounding of the sums of squares.
+        let rounding = sent_back * sent_back * f64::EPSILON;
+        let variances = by_cosine.channel("variance.G").unwrap();
+        assert!(variances.iter().all(|&v| f64::from(v) <= rounding), "{variances:?}");
     }
 }
 
@@ -601,10 +644,13 @@ fn depth_counts_segments() {
 fn white_balls_vanish_under_an_even_sky() {
     let glass = |roughness| Material::from(Dielectric { roughness, ..Dielectric::new(1.5) });
     let metal = |roughness| Material::from(Conductor { eta: Rgb::BLACK, k: Rgb::WHITE, roughness });
-    let clay = Material::from(Matte { albedo: Rgb::WHITE, roughness: 1.0 });
+    let clay = Material::from(Matte { roughness: 1.0, ..Matte::new(Rgb::WHITE) });
+    let even =
+        Material::from(Matte { sampling: HemisphereSampling::Uniform, ..Matte::new(Rgb::WHITE) });
     let film = Material::from(ThinDielectric { ior: 1.33, color: Rgb::WHITE });
     let hole = Material::new(MaterialKind::Null);
-    let materials = [glass(0.3), glass(0.7), glass(1.0), metal(0.5), metal(1.0), clay, film, hole];
+    let materials =
+        [glass(0.3), glass(0.7), glass(1.0), metal(0.5), metal(1.0), clay, even, film, hole];
     for material in materials {
         let mut scene = seen_from(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.55);
         scene.environment = Some(Environment::constant(Rgb::WHITE));
