@@ -171,6 +171,10 @@ const MISTAKES: &[(&str, &str)] = &[
         "12:11: fresnel \"schlick\" is for smooth glass; rough glass takes \"exact\"",
     ),
     (
+        "[render]\nheuristic = \"cutoff\"",
+        r#"9:13: no heuristic "cutoff"; there are power, balance, optimal"#,
+    ),
+    (
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nsampling = \"unifrom\"",
         r#"11:12: no sampling "unifrom"; did you mean "uniform"?"#,
     ),

@@ -222,6 +222,7 @@ fn settings_have_names() {
     assert_eq!(get("strategy = \"light\"").strategy, Strategy::LightOnly);
     assert_eq!(get("strategy = \"bsdf\"").strategy, Strategy::BsdfOnly);
     assert_eq!(get("heuristic = \"balance\"").heuristic, Heuristic::Balance);
+    assert_eq!(get("heuristic = \"optimal\"").heuristic, Heuristic::Optimal);
     assert_eq!(get("roulette = \"albedo\"").roulette, Roulette::Albedo);
     assert_eq!(get("roulette = \"off\"").roulette, Roulette::Off);
     assert_eq!(get("light_selection = \"uniform\"").light_selection, LightSelection::Uniform);
