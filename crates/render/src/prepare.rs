@@ -6,7 +6,7 @@
 
 use crate::bsdf::{
     Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
-    SmoothConductor, SmoothDielectric, ThinDielectric,
+    SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
 };
 use crate::camera::Camera;
 use crate::color::{Rgb, Spectrum};
@@ -16,7 +16,8 @@ use crate::light::{
     TriangleEmitter,
 };
 use crate::material::{
-    CustomMaterial, Dielectric, Emission, EmittedLight, Material, MaterialKind, SurfacePoint,
+    CustomMaterial, Dielectric, Emission, EmittedLight, HemisphereSampling, Material, MaterialKind,
+    SurfacePoint,
 };
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::scene::{MaterialId, Scene, SceneProblem};
@@ -809,7 +810,11 @@ fn lobe(material: &Material) -> Option<Lobe> {
             Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))
         }
         MaterialKind::Matte(m) if m.roughness == 0.0 => {
-            Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() }))
+            let albedo = m.albedo.into();
+            Some(match m.sampling {
+                HemisphereSampling::Cosine => Lobe::Lambert(Lambert { albedo }),
+                HemisphereSampling::Uniform => Lobe::UniformLambert(UniformLambert { albedo }),
+            })
         }
         MaterialKind::Matte(m) => {
             Some(Lobe::OrenNayar(OrenNayar::new(m.albedo.into(), m.roughness)))
