@@ -848,6 +848,7 @@ fn compare_measures_known_differences() {
         assert_eq!(number(&same[key]), 0.0, "{key}");
     }
     assert_eq!(same["psnr"], Value::Null);
+    assert!((number(&same["ssim"]) - 1.0).abs() < 1e-6, "{same}");
 
     let off = desk.json("compare b.exr a.exr --json --diff diff.png");
     assert!((number(&off["rmse"]) - 0.25).abs() < 1e-3, "{off}");
@@ -860,7 +861,7 @@ fn compare_measures_known_differences() {
     assert_eq!(shown["hdr_flip"], Value::Null);
     assert!(number(&shown["flip"]) < 1e-3, "{shown}");
     let text = desk.run("compare b.exr a.exr").out;
-    for word in ["RMSE", "relMSE", "worst 0.1 %", "PSNR", "FLIP", "HDR-FLIP"] {
+    for word in ["RMSE", "relMSE", "worst 0.1 %", "PSNR", "SSIM", "FLIP", "HDR-FLIP"] {
         assert!(text.contains(word), "{word}: {text}");
     }
 }

@@ -42,7 +42,8 @@ pub fn ways(spp: u64) -> Vec<Way> {
             Settings { roulette: Roulette::Off, max_depth: Some(LONGEST), ..base.clone() },
         ),
         ("lights uniformly", Settings { light_selection: LightSelection::Uniform, ..base.clone() }),
-        ("sobol", Settings { sampler: SamplerKind::Sobol, ..base }),
+        ("sobol", Settings { sampler: SamplerKind::Sobol, ..base.clone() }),
+        ("both, optimal", Settings { heuristic: Heuristic::Optimal, ..base }),
     ];
     let named = |((name, settings), seed)| Way { name, settings: Settings { seed, ..settings } };
     all.into_iter().zip(1..).map(named).collect()

@@ -277,8 +277,7 @@ fn sky_and_lamps() -> Scene {
     let mirror = s.add_material(Mirror { reflectance: Rgb::grey(0.9) });
     let both =
         s.add_material(Emission { two_sided: true, ..Emission::radiance(Rgb::new(3.0, 2.0, 1.0)) });
-    let papery =
-        rutilant::material::Material::from(Matte { albedo: Rgb::grey(0.6), roughness: 0.0 });
+    let papery = rutilant::material::Material::from(Matte::new(Rgb::grey(0.6)));
     let papery = s.add_material(
         papery
             .emitting(Emission { two_sided: true, ..Emission::radiance(Rgb::new(0.5, 1.0, 1.5)) }),
@@ -429,7 +428,7 @@ fn nested_media() -> Scene {
 fn rough_metals() -> Scene {
     let mut s = looking([0.0, 1.4, 4.5], [0.0, 0.4, 0.0]);
     s.environment = Some(Environment::constant(Rgb::new(0.3, 0.4, 0.5)));
-    let clay = s.add_material(Matte { albedo: Rgb::new(0.8, 0.6, 0.5), roughness: 0.9 });
+    let clay = s.add_material(Matte { roughness: 0.9, ..Matte::new(Rgb::new(0.8, 0.6, 0.5)) });
     let gold = s.add_material(Metal::Gold.conductor(0.4));
     let aluminium = s.add_material(Metal::Aluminium.conductor(0.8));
     let gilded = s.add_material(Mix { first: clay, second: gold, amount: 0.5 });

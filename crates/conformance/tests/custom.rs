@@ -96,7 +96,7 @@ fn floor(scene: &mut Scene, material: MaterialId, side: f32, x: f32, z: f32) {
 /// A matte ball, one of coloured glass and one that glows, over a floor.
 fn balls(shape: &dyn Fn(f32) -> (Shape, Transform)) -> Scene {
     let mut s = looking(Vec3::new(0.0, 1.5, 5.0), Vec3::new(0.0, 0.6, 0.0));
-    let white = s.add_material(Matte { albedo: Rgb::grey(0.7), roughness: 0.0 });
+    let white = s.add_material(Matte::new(Rgb::grey(0.7)));
     let mut glass = Dielectric::new(1.5);
     glass.interior.absorption = Absorption::Coefficient(Rgb::new(0.8, 0.2, 0.1));
     let glass = s.add_material(glass);
@@ -177,7 +177,7 @@ fn a_checker_is_tiles() {
     floor(&mut custom, checker, 4.0, 0.0, 0.0);
 
     let mut tiles = room();
-    let matte = tiles.add_material(Matte { albedo: Rgb::grey(0.8), roughness: 0.0 });
+    let matte = tiles.add_material(Matte::new(Rgb::grey(0.8)));
     let mirror = tiles.add_material(Mirror { reflectance: Rgb::new(0.9, 0.7, 0.5) });
     for (x, z) in (-2..2).flat_map(|x| (-2..2).map(move |z| (x, z))) {
         let material = if (x + z) % 2 == 0 { matte } else { mirror };

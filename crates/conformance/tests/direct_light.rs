@@ -70,7 +70,7 @@ fn floor_under(lamps: &[Lamp], albedo: f32, point: DVec3) -> Scene {
     let target = point.as_vec3();
     let camera = Perspective::look_at(target + Vec3::new(-1.0, 0.5, -0.7), target, 1e-3).unwrap();
     let mut scene = Scene::new(camera);
-    let floor = scene.add_material(Matte { albedo: Rgb::grey(albedo), roughness: 0.0 });
+    let floor = scene.add_material(Matte::new(Rgb::grey(albedo)));
     let lying = Transform::translate(Vec3::Y * target.y)
         * Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
     let size = Vec2::splat(400.0);

@@ -22,7 +22,7 @@ fn surroundings() -> Scene {
     let camera = Perspective::look_at(Vec3::new(1.8, 1.0, 3.2), Vec3::new(0.0, 0.0, -0.3), 0.6);
     let mut s = Scene::new(camera.expect("two different points"));
     s.environment = Some(Environment::constant(Rgb::new(0.2, 0.25, 0.3)));
-    let white = s.add_material(Matte { albedo: Rgb::grey(0.7), roughness: 0.0 });
+    let white = s.add_material(Matte::new(Rgb::grey(0.7)));
     let lamp = s.add_material(Emission::radiance(Rgb::grey(3.0)));
     let place = |x, y, z| Transform::translate(Vec3::new(x, y, z));
     let down = Transform::rotate_degrees(Vec3::X, 90.0);

@@ -162,16 +162,15 @@ fn swept_cost(boxes: &mut [Aabb], options: &BuildOptions) -> f64 {
     }
 }
 
-/// Eight bins find trees nearly as cheap as trying every division: 2 % more on average, 5 % at
-/// most; sixty-four bins come within 2 % wherever middles differ at all. A plane left out, a bin
-/// counted twice or a leaf made too early costs more.
+/// Trees are hardly dearer than those of trying every division, for every kind of scene: the
+/// default ones by at most 2 %, those of eight bins by 5 %. A plane left out, a bin counted twice or
+/// a leaf made too early costs more.
 #[test]
 fn the_tree_costs_hardly_more_than_by_trying_everything() {
     let mut scenes = meshes::hard_scenes();
     scenes.extend(
         meshes::closed_meshes().into_iter().map(|(n, mesh, ..)| (n, meshes::surfaces(mesh))),
     );
-    let mut sum = 0.0;
     for (name, scene) in &scenes {
         let triangles =
             (0..scene.triangles().len() as u32).map(|i| Aabb::around(scene.triangle(i)));
@@ -184,16 +183,10 @@ fn the_tree_costs_hardly_more_than_by_trying_everything() {
             let cost = check_tree(&Bvh::build(&boxes, &options), &boxes, &options);
             cost / (swept_cost(&mut boxes.clone(), &options) / half_area(&all))
         };
-        let (eight, many) = (more(8), more(64));
-        println!("{name}: {eight:.4} with 8 bins, {many:.4} with 64");
-        assert!(eight < 1.05, "{name}: {eight}");
-        // Shells around one point have the same middle: nothing to divide by but their order.
-        assert!(many < if *name == "shells" { 1.05 } else { 1.02 }, "{name}: {many}");
-        sum += eight;
+        let (default, eight) = (more(BuildOptions::default().bins), more(8));
+        println!("{name}: {default:.4}, with 8 bins {eight:.4}");
+        assert!(default < 1.02 && eight < 1.05, "{name}: {default} {eight}");
     }
-    let average = sum / scenes.len() as f64;
-    println!("on average {average:.4}");
-    assert!(average < 1.02, "{average}");
 }
 
 /// Every bit of every node, for any number of threads.

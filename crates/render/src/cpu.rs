@@ -3,7 +3,7 @@
 use crate::camera::PreparedCamera;
 use crate::film::{Film, FilterSampler, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Path, dimension,
+    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, dimension,
 };
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
@@ -53,16 +53,20 @@ impl Rendering<'_> {
             )
         };
         match settings.integrator {
-            IntegratorKind::Path => self.run_with(
-                next_pass,
-                &Path {
+            IntegratorKind::Path => {
+                let path = Path {
                     selection: selection(),
                     strategy: settings.strategy,
                     heuristic: settings.heuristic,
                     roulette: settings.roulette,
                     max_depth,
-                },
-            ),
+                };
+                if settings.learns() {
+                    self.run_with(next_pass, &Optimal(path));
+                } else {
+                    self.run_with(next_pass, &path);
+                }
+            }
             IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }),
             IntegratorKind::Direct => self.run_with(next_pass, &Direct { selection: selection() }),
             IntegratorKind::AmbientOcclusion => self.run_with(next_pass, &AmbientOcclusion),
@@ -125,8 +129,9 @@ impl Rendering<'_> {
                     let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
                     let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
                     let ray = camera.ray(film, sampler.d2(dimension::LENS));
-                    let radiance = integrator.radiance(self.scene, ray, &sampler, &mut rays);
-                    self.film.add(tile, [x, y], sample, radiance * weight);
+                    let (radiance, control) =
+                        integrator.controlled(self.scene, ray, &sampler, &mut rays);
+                    self.film.add(tile, [x, y], sample, radiance * weight, control * weight);
                     paths += 1;
                 }
             }

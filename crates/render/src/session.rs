@@ -78,7 +78,7 @@ impl Session {
     ) -> Result<Self, SceneProblem> {
         settings.validate()?;
         let shared = Arc::new(Shared {
-            film: Film::new(settings.window()),
+            film: Film::new(settings.window(), settings.learns()),
             state: Mutex::new(State {
                 target: settings.spp,
                 pass: 0,

@@ -10,7 +10,7 @@ use common::{
 };
 use rutilant::bsdf::{
     Bsdf, Fresnel, Ggx, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
-    SmoothConductor, SmoothDielectric, ThinDielectric,
+    SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
 };
 use rutilant::color::Spectrum;
 use rutilant::geom::{Vec2, Vec3};
@@ -25,6 +25,8 @@ struct Entry {
 
 fn all() -> Vec<Entry> {
     let lambert = |albedo: f32| Lobe::Lambert(Lambert { albedo: Spectrum::splat(albedo) });
+    let even =
+        |albedo: f32| Lobe::UniformLambert(UniformLambert { albedo: Spectrum::splat(albedo) });
     let mirror = |r: f32| Lobe::Mirror(PerfectMirror { reflectance: Spectrum::splat(r) });
     let glass = |eta, fresnel| Lobe::Dielectric(SmoothDielectric { eta, fresnel });
     let gold =
@@ -37,6 +39,8 @@ fn all() -> Vec<Entry> {
     vec![
         entry("white lambert", lambert(1.0).into(), true),
         entry("grey lambert", lambert(0.3).into(), false),
+        entry("white lambert, evenly", even(1.0).into(), true),
+        entry("grey lambert, evenly", even(0.3).into(), false),
         entry("white clay", clay(1.0, 0.8).into(), true),
         entry("grey clay", clay(0.3, 1.0).into(), false),
         entry("mirror", mirror(1.0).into(), true),

@@ -207,7 +207,7 @@ fn stage() -> Scene {
 }
 
 fn wall() -> Material {
-    Matte { albedo: Rgb::grey(0.5), roughness: 0.0 }.into()
+    Matte::new(Rgb::grey(0.5)).into()
 }
 
 fn mirror() -> Material {

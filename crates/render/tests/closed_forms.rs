@@ -8,11 +8,12 @@ use common::{assert_mean, mean, render, small};
 use rutilant::bsdf::Fresnel;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
+use rutilant::film::Filter;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
-    ThinDielectric,
+    Absorption, Conductor, Dielectric, Emission, HemisphereSampling, Material, MaterialKind, Matte,
+    Mirror, Mix, ThinDielectric,
 };
 use rutilant::scene::Scene;
 use rutilant::settings::{
@@ -175,6 +176,235 @@ fn mixes_of_white_and_mirror_vanish_in_the_furnace() {
             assert_mean(&render(&scene, way), 1.0, 4.0);
         }
     }
+}
+
+/// What evenly drawn directions cost: under an even sky of radiance L a sample of a plane of albedo
+/// a is 2 a L cos θ with cos θ even in 0..1, of variance a² L² / 3; one whose directions are drawn
+/// by the cosine is a L, always. A density that is not that of the directions, or a weight that
+/// has lost its cosine, shows here even where the mean is right.
+#[test]
+fn uniform_sampling_has_its_variance_and_cosine_sampling_none() {
+    let (albedo, sky, spp) = (0.6_f32, 1.75_f32, 1024_u32);
+    let with = |sampling, integrator| {
+        let mut scene = seen_from(Vec3::new(0.0, 2.0, 0.1), Vec3::ZERO, 0.5);
+        scene.environment = Some(Environment::constant(Rgb::grey(sky)));
+        let plane = scene.add_material(Matte { sampling, ..Matte::new(Rgb::grey(albedo)) });
+        let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
+        let shape = Shape::Rectangle { size: Vec2::splat(100.0) };
+        scene.objects.push(Object::new(shape, plane).transformed(&flat));
+        let filter = Filter::Box { radius: 0.5 };
+        let strategy = Strategy::BsdfOnly;
+        render(&scene, Settings { integrator, strategy, filter, ..small(spp.into()) })
+    };
+    let sent_back = f64::from(albedo * sky);
+    for integrator in [IntegratorKind::Path, IntegratorKind::Naive] {
+        let even = with(HemisphereSampling::Uniform, integrator);
+        assert_mean(&even, sent_back, 4.0);
+        let variances = even.channel("variance.G").unwrap();
+        let pixels = variances.len() as f64;
+        let mean = variances.iter().map(|&v| f64::from(v)).sum::<f64>() / pixels;
+        let (variance, expected) = (mean * f64::from(spp), sent_back * sent_back / 3.0);
+        // The estimated variance of n even numbers scatters by sqrt(0.8 / n) of itself: their
+        // fourth moment is 9/5 of the squared variance.
+        let error = expected * (0.8 / (pixels * f64::from(spp))).sqrt();
+        assert!(
+            (variance - expected).abs() < 4.0 * error,
+            "{integrator:?}: {variance} ± {error}, expected {expected}"
+        );
+
+        let by_cosine = with(HemisphereSampling::Cosine, integrator);
+        assert!(by_cosine.channel("G").unwrap().iter().all(|&v| v == albedo * sky));
+        // Nothing but the rounding of the sums of squares.
+        let rounding = sent_back * sent_back * f64::EPSILON;
+        let variances = by_cosine.channel("variance.G").unwrap();
+        assert!(variances.iter().all(|&v| f64::from(v) <= rounding), "{variances:?}");
+    }
+}
+
+/// Squares of a checkerboard along each side, and the side of one in metres.
+const SQUARES: (usize, f64) = (8, 0.5);
+
+/// Its lower left corner, as it is seen from its front; it lies in a plane of constant z.
+const CHECKERS_AT: [f64; 3] = [-1.7, -0.8, 3.0];
+
+/// The light of the square in this column and row: none, or one that no other square has.
+fn square_radiance(column: usize, row: usize) -> f64 {
+    if (column + row).is_multiple_of(2) { (1 + column + SQUARES.0 * row) as f64 } else { 0.0 }
+}
+
+/// A camera that sees nothing but a leaning mirror, and behind the camera a board of squares that
+/// glow and squares that are dark.
+struct Checkers {
+    scene: Scene,
+    /// Where the camera is and what it looks at.
+    eye: [f64; 3],
+    target: [f64; 3],
+    fov_y: f64,
+    /// The mirror's normal and a point on it.
+    normal: [f64; 3],
+    mirror_at: [f64; 3],
+}
+
+impl Checkers {
+    /// `amount` is the mirror's share; the rest is black.
+    fn new(amount: f32) -> Self {
+        let (eye, target, mirror_at) = ([0.3, 0.4, 1.0], [0.1, 0.1, -1.0], [0.2, -0.1, -1.2]);
+        let (turn, lean, fov_y) = (0.09_f32, -0.21_f32, 0.7_f32);
+        let vec = |p: [f64; 3]| Vec3::from(p.map(|x| x as f32));
+        let mut scene = seen_from(vec(eye), vec(target), fov_y);
+        let first = scene.add_material(Matte::new(Rgb::BLACK));
+        let second = scene.add_material(Mirror { reflectance: Rgb::WHITE });
+        let mix = scene.add_material(Mix { first, second, amount });
+        let place = Transform::translate(vec(mirror_at))
+            * Transform::rotate(Vec3::X, lean)
+            * Transform::rotate(Vec3::Y, turn);
+        let wall = Shape::Rectangle { size: Vec2::splat(40.0) };
+        scene.objects.push(Object::new(wall, mix).transformed(&place));
+        let ((turn_sin, turn_cos), (lean_sin, lean_cos)) =
+            (f64::from(turn).sin_cos(), f64::from(lean).sin_cos());
+        let normal = [turn_sin, -lean_sin * turn_cos, lean_cos * turn_cos];
+
+        let (count, side) = SQUARES;
+        for (row, column) in (0..count).flat_map(|row| (0..count).map(move |c| (row, c))) {
+            let radiance = square_radiance(column, row);
+            let glow = Emission::radiance(Rgb::grey(radiance as f32));
+            let material = if radiance > 0.0 {
+                Material::from(Emission { two_sided: true, ..glow })
+            } else {
+                Material::new(MaterialKind::Black)
+            };
+            let material = scene.add_material(material);
+            let [x, y, z] = CHECKERS_AT;
+            let center = [x + side * (column as f64 + 0.5), y + side * (row as f64 + 0.5), z];
+            let square = Shape::Rectangle { size: Vec2::splat(side as f32) };
+            let place = Transform::translate(vec(center));
+            scene.objects.push(Object::new(square, material).transformed(&place));
+        }
+        let fov_y = f64::from(fov_y);
+        Self { scene, eye, target, fov_y, normal, mirror_at }
+    }
+
+    /// Where on the board, in squares from its corner, a place on the film of a picture of this
+    /// size shows it: the straight way through the mirror to the board's image behind it.
+    fn seen_at(&self, [x, y]: [f64; 2], [width, height]: [u32; 2]) -> [f64; 2] {
+        let sub = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let unit = |a: [f64; 3]| a.map(|x| x / dot(a, a).sqrt());
+        let mirrored = |v: [f64; 3]| {
+            let twice = 2.0 * dot(v, self.normal);
+            [0, 1, 2].map(|i| v[i] - twice * self.normal[i])
+        };
+
+        // The camera's ray.
+        let forward = unit(sub(self.target, self.eye));
+        let right = unit(cross(forward, [0.0, 1.0, 0.0]));
+        let up = cross(right, forward);
+        let scale = 2.0 * (0.5 * self.fov_y).tan() / f64::from(height);
+        let (across, above) =
+            (scale * (x - 0.5 * f64::from(width)), scale * (0.5 * f64::from(height) - y));
+        let direction = [0, 1, 2].map(|i| forward[i] + across * right[i] + above * up[i]);
+
+        // The image of the board: its corner and its axes, beyond the mirror's plane.
+        let from_mirror = mirrored(sub(CHECKERS_AT, self.mirror_at));
+        let corner = [0, 1, 2].map(|i| from_mirror[i] + self.mirror_at[i]);
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(mirrored);
+        let distance = dot(sub(corner, self.eye), axes[2]) / dot(direction, axes[2]);
+        assert!(distance > 0.0, "the board's image is before the camera");
+        let on_board = sub([0, 1, 2].map(|i| self.eye[i] + distance * direction[i]), corner);
+        [0, 1].map(|i| dot(on_board, axes[i]) / SQUARES.1)
+    }
+
+    /// The square that shows at a place on the film, if it is on the board.
+    fn square_at(&self, film: [f64; 2], size: [u32; 2]) -> Option<[usize; 2]> {
+        let [column, row] = self.seen_at(film, size).map(f64::floor);
+        let inside = |v: f64| (0.0..SQUARES.0 as f64).contains(&v);
+        (inside(column) && inside(row)).then_some([column as usize, row as usize])
+    }
+}
+
+/// A mirror shows a checkerboard where the straight way to its mirrored image meets it: to the bit
+/// in all pixels that one square fills, in any way of finding light and at any share of the
+/// mirror. Each glowing square has a light of its own, so an image that is not turned round, or
+/// shifted by two squares, shows.
+#[test]
+fn mirrors_show_checkers_where_unfolding_says() {
+    let size = [64, 48];
+    for amount in [0.0, 0.5, 1.0_f32] {
+        let checkers = Checkers::new(amount);
+        let mut whole = Vec::new();
+        for (y, x) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (y, x))) {
+            let corner = |dx: u32, dy: u32| [f64::from(x + dx), f64::from(y + dy)];
+            let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+            // A film is mapped to a plane, so that what holds for the corners holds between them.
+            let squares = corners.map(|film| checkers.square_at(film, size));
+            if let [Some(first), ..] = squares
+                && squares.iter().all(|square| *square == squares[0])
+            {
+                let expected = amount * square_radiance(first[0], first[1]) as f32;
+                whole.push(((y * size[0] + x) as usize, expected));
+            }
+        }
+        let bright = whole.iter().filter(|(_, expected)| *expected > 0.0).count();
+        assert!(
+            whole.len() > 500 && (bright > 200 || amount == 0.0),
+            "{bright} of {}",
+            whole.len()
+        );
+        let mut ways = all_ways(9);
+        ways.push(Settings { integrator: IntegratorKind::Direct, ..small(9) });
+        for way in ways {
+            let way = Settings { size, filter: Filter::Box { radius: 0.5 }, ..way };
+            let image = render(&checkers.scene, way.clone());
+            for (channel, (pixel, expected)) in
+                ["R", "G", "B"].into_iter().flat_map(|c| whole.iter().map(move |w| (c, *w)))
+            {
+                let shown = image.channel(channel).unwrap()[pixel];
+                assert_eq!(shown, expected, "{way:?}, pixel {pixel}");
+            }
+        }
+    }
+}
+
+/// The edges between the squares run through their pixels where they should: each pixel's mean is
+/// that of the board over its area, and all together deviate as much as chance lets them. An image
+/// that is shifted by a fiftieth of a pixel shows.
+#[test]
+fn edges_of_mirrored_checkers_are_where_unfolding_says() {
+    let (size, spp) = ([64, 48], 1024_u32);
+    let checkers = Checkers::new(0.5);
+    let way = Settings { size, filter: Filter::Box { radius: 0.5 }, ..small(spp.into()) };
+    let image = render(&checkers.scene, way);
+    let shown = image.channel("G").unwrap();
+    // The board over each pixel, by points in rows that are finer than any noise here.
+    const FINE: u32 = 128;
+    let points = f64::from(FINE * FINE);
+    let (mut edges, mut statistic) = (0.0, 0.0);
+    for (y, x) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (y, x))) {
+        let (mut sum, mut squares, mut bright) = (0.0, 0.0, 0.0);
+        for i in 0..FINE * FINE {
+            let within = |k: u32| (f64::from(k) + 0.5) / f64::from(FINE);
+            let film = [f64::from(x) + within(i % FINE), f64::from(y) + within(i / FINE)];
+            let square = checkers.square_at(film, size);
+            let value = square.map_or(0.0, |[column, row]| 0.5 * square_radiance(column, row));
+            sum += value;
+            squares += value * value;
+            bright += f64::from(u8::from(value > 0.0));
+        }
+        let (mean, share) = (sum / points, bright / points);
+        // Scores are normal where both bright and dark are seen often enough.
+        if f64::from(spp) * share.min(1.0 - share) >= 20.0 {
+            let variance = (squares / points - mean * mean) / f64::from(spp);
+            let difference = f64::from(shown[(y * size[0] + x) as usize]) - mean;
+            statistic += difference * difference / variance;
+            edges += 1.0;
+        }
+    }
+    assert!(edges > 500.0, "{edges}");
+    let p = common::chi_square_tail(edges, statistic);
+    assert!(p > 0.01, "{statistic} over {edges} pixels: p = {p:e}");
 }
 
 /// A sphere light over a plane: E = π L (R/d)², and a matte plane shows a E / π of it. The old
@@ -414,10 +644,13 @@ fn depth_counts_segments() {
 fn white_balls_vanish_under_an_even_sky() {
     let glass = |roughness| Material::from(Dielectric { roughness, ..Dielectric::new(1.5) });
     let metal = |roughness| Material::from(Conductor { eta: Rgb::BLACK, k: Rgb::WHITE, roughness });
-    let clay = Material::from(Matte { albedo: Rgb::WHITE, roughness: 1.0 });
+    let clay = Material::from(Matte { roughness: 1.0, ..Matte::new(Rgb::WHITE) });
+    let even =
+        Material::from(Matte { sampling: HemisphereSampling::Uniform, ..Matte::new(Rgb::WHITE) });
     let film = Material::from(ThinDielectric { ior: 1.33, color: Rgb::WHITE });
     let hole = Material::new(MaterialKind::Null);
-    let materials = [glass(0.3), glass(0.7), glass(1.0), metal(0.5), metal(1.0), clay, film, hole];
+    let materials =
+        [glass(0.3), glass(0.7), glass(1.0), metal(0.5), metal(1.0), clay, even, film, hole];
     for material in materials {
         let mut scene = seen_from(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.55);
         scene.environment = Some(Environment::constant(Rgb::WHITE));

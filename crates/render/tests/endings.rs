@@ -22,7 +22,7 @@ fn room(albedo: f32) -> Scene {
     let eye = Vec3::new(0.1, 0.2, 0.3);
     let mut scene = Scene::new(Perspective::look_at(eye, Vec3::X, 1.0).unwrap());
     let glow = Emission { two_sided: true, ..Emission::radiance(Rgb::WHITE) };
-    let wall = Material::from(Matte { albedo: Rgb::grey(albedo), roughness: 0.0 }).emitting(glow);
+    let wall = Material::from(Matte::new(Rgb::grey(albedo))).emitting(glow);
     let wall = scene.add_material(wall);
     scene.objects.push(Object::new(Shape::Box { size: Vec3::new(4.0, 3.0, 2.0) }, wall));
     scene

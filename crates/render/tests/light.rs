@@ -742,7 +742,7 @@ fn a_bright_texel_lights_a_floor_by_its_solid_angle() {
         pixels[(texel[1] * size[0] + texel[0]) as usize] = [100.0; 3];
         let map = Image::from_rgb(size[0], size[1], &pixels).unwrap();
         let mut scene = mapped(projection, map, 0.0);
-        let matte = scene.add_material(Matte { albedo: Rgb::grey(0.5), roughness: 0.0 });
+        let matte = scene.add_material(Matte::new(Rgb::grey(0.5)));
         let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
         let floor = Shape::Rectangle { size: Vec2::splat(10.0) };
         scene.objects.push(Object::new(floor, matte).transformed(&flat));
@@ -845,7 +845,7 @@ fn importance_sampling_the_sky_pays() {
     pixels[(6 * width + 40) as usize] = [4000.0, 3500.0, 3000.0];
     let map = Image::from_rgb(width, height, &pixels).unwrap();
     let mut scene = under(Environment::image(rutilant::scene::ImageId(0)), 0.0, Some(map));
-    let matte = scene.add_material(Matte { albedo: Rgb::grey(0.5), roughness: 0.0 });
+    let matte = scene.add_material(Matte::new(Rgb::grey(0.5)));
     let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
     let floor = Shape::Rectangle { size: Vec2::splat(20.0) };
     scene.objects.push(Object::new(floor, matte).transformed(&flat));

@@ -219,7 +219,7 @@ fn bodies_of_equal_index_are_invisible() {
 fn light_beyond_what_is_no_border_is_found_in_full() {
     let expected = 0.5 * 10.0 * (0.5_f64 / 2.0).powi(2);
     let mut scene = seen_from(Vec3::new(1.0, 0.5, 1.0), Vec3::ZERO, 0.002);
-    let floor = scene.add_material(Matte { albedo: Rgb::grey(0.5), roughness: 0.0 });
+    let floor = scene.add_material(Matte::new(Rgb::grey(0.5)));
     let lamp = scene.add_material(Emission::radiance(Rgb::grey(10.0)));
     let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
     scene
@@ -360,7 +360,7 @@ fn the_focus_goes_through_overlapping_media() {
     let mut scene = seen_from(Vec3::Z * 3.0, Vec3::ZERO, 0.5);
     slab(&mut scene, -0.6, 0.1, medium(1.33, 0.0, 1));
     slab(&mut scene, 0.0, 0.4, medium(1.5, 0.0, 2));
-    let wall = scene.add_material(Matte { albedo: Rgb::grey(0.5), roughness: 0.0 });
+    let wall = scene.add_material(Matte::new(Rgb::grey(0.5)));
     put(&mut scene, Shape::Rectangle { size: Vec2::splat(9.0) }, wall, Vec3::Z * -2.0);
     let focus = Prepared::new(&scene).unwrap().focus_on([64, 64], Vec2::splat(0.5)).unwrap();
     let expected = 2.6 + 0.4 / 1.5 + 0.6 / 1.33 + 1.4;

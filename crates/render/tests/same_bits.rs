@@ -9,7 +9,7 @@ use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant::material::{Dielectric, Emission, Matte};
 use rutilant::scene::Scene;
-use rutilant::settings::{Crop, SamplerKind, Settings};
+use rutilant::settings::{Crop, Heuristic, SamplerKind, Settings};
 use rutilant::shape::{Object, Shape};
 use rutilant::{Prepared, Session};
 use std::sync::Arc;
@@ -45,6 +45,9 @@ fn settings(spp: u64) -> Settings {
     Settings { size: [101, 97], spp, ..Settings::default() }
 }
 
+/// Pixels that only add, and pixels that learn from each sample for the next.
+const HEURISTICS: [Heuristic; 2] = [Heuristic::Power, Heuristic::Optimal];
+
 fn finish(session: &Session) -> Image {
     while !session.wait(Duration::from_secs(3600)) {}
     session.snapshot()
@@ -58,8 +61,12 @@ fn render(scene: &Arc<Prepared>, settings: Settings, threads: usize) -> Image {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let scene = scene();
-    for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
-        let settings = Settings { sampler, ..settings(4) };
+    for (sampler, heuristic) in [
+        (SamplerKind::Sobol, Heuristic::Power),
+        (SamplerKind::Independent, Heuristic::Power),
+        (SamplerKind::Sobol, Heuristic::Optimal),
+    ] {
+        let settings = Settings { sampler, heuristic, ..settings(4) };
         let one = render(&scene, settings.clone(), 1).hash();
         for threads in [2, 3, 5, 7, 16, 61] {
             assert_eq!(render(&scene, settings.clone(), threads).hash(), one, "{threads} threads");
@@ -71,42 +78,54 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn continued_renderings_are_those_in_one_go() {
     let scene = scene();
-    let whole = render(&scene, settings(64), 2);
-    let mut session = Session::start(Arc::clone(&scene), settings(16), 3).unwrap();
-    for spp in [32, 48, 64] {
-        finish(&session);
-        session.extend(spp);
+    for heuristic in HEURISTICS {
+        let settings = |spp| Settings { heuristic, ..settings(spp) };
+        let whole = render(&scene, settings(64), 2);
+        let mut session = Session::start(Arc::clone(&scene), settings(16), 3).unwrap();
+        for spp in [32, 48, 64] {
+            finish(&session);
+            session.extend(spp);
+        }
+        assert_eq!(finish(&session).hash(), whole.hash());
     }
-    assert_eq!(finish(&session).hash(), whole.hash());
 }
 
 /// Stopped at any moment, in the middle of a pass, and continued: no sample is lost or taken twice.
 #[test]
 fn cancelled_renderings_continue_to_the_same_bits() {
     let scene = scene();
-    let whole = render(&scene, settings(32), 2);
-    let mut session = Session::start(Arc::clone(&scene), settings(32), 2).unwrap();
-    for pause in 0..12 {
-        session.wait(Duration::from_millis(pause * 5));
-        session.cancel();
-        finish(&session);
-        session.extend(32);
+    for heuristic in HEURISTICS {
+        let settings = Settings { heuristic, ..settings(32) };
+        let whole = render(&scene, settings.clone(), 2);
+        let mut session = Session::start(Arc::clone(&scene), settings, 2).unwrap();
+        for pause in 0..12 {
+            session.wait(Duration::from_millis(pause * 5));
+            session.cancel();
+            finish(&session);
+            session.extend(32);
+        }
+        let image = finish(&session);
+        assert_eq!(session.progress().samples, 32);
+        assert_eq!(image.hash(), whole.hash());
     }
-    let image = finish(&session);
-    assert_eq!(session.progress().samples, 32);
-    assert_eq!(image.hash(), whole.hash());
 }
 
 /// Windows of the picture, put together, are the picture.
 #[test]
 fn crops_compose() {
+    for heuristic in HEURISTICS {
+        assert_crops_compose(&Settings { heuristic, ..settings(4) });
+    }
+}
+
+fn assert_crops_compose(settings: &Settings) {
     let scene = scene();
-    let whole = render(&scene, settings(4), 2);
+    let whole = render(&scene, settings.clone(), 2);
     let (columns, rows) = ([0, 16, 17, 70, 101], [0, 31, 97]);
     for (x, x_end) in columns.into_iter().zip(columns.into_iter().skip(1)) {
         for (y, y_end) in rows.into_iter().zip(rows.into_iter().skip(1)) {
             let crop = Crop { x, y, width: x_end - x, height: y_end - y };
-            let part = render(&scene, Settings { crop: Some(crop), ..settings(4) }, 2);
+            let part = render(&scene, Settings { crop: Some(crop), ..settings.clone() }, 2);
             for (channel, whole) in part.channels().iter().zip(whole.channels()) {
                 for (i, value) in channel.values.iter().enumerate() {
                     let (px, py) = (x + i as u32 % crop.width, y + i as u32 / crop.width);

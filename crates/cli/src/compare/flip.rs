@@ -17,6 +17,7 @@
 //! below.
 
 use super::Pixels;
+use super::plane::{Plane, taps};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
@@ -73,7 +74,7 @@ impl Seen {
         let [y, cx, cz] = [plane(0), plane(1), plane(2)];
 
         let [sy, sx, sz] = contrast_sensitivity(pixels_per_degree);
-        let (by, bx, bz) = (y.blurred(&sy), cx.blurred(&sx), cz.blurred(&sz));
+        let (by, bx, bz) = (blurred(&y, &sy), blurred(&cx, &sx), blurred(&cz, &sz));
         let color = (by.values.par_iter().zip(bx.values).zip(bz.values))
             .map(|((&y, cx), cz)| hunt_lab(rgb_of_ycc([y, cx, cz]).map(clamp_unit)))
             .collect();
@@ -203,6 +204,16 @@ fn contrast_sensitivity(pixels_per_degree: f32) -> [Blur; 3] {
     [blur(&ACHROMATIC), blur(&RED_GREEN), blur(&BLUE_YELLOW)]
 }
 
+/// The sum of all separable terms of `blur`.
+fn blurred(plane: &Plane, blur: &Blur) -> Plane {
+    let mut sum = vec![0.0; plane.values.len()];
+    for (factor, shape) in blur {
+        let term = plane.convolved(shape, shape);
+        sum.iter_mut().zip(term.values).for_each(|(s, t)| *s += factor * t);
+    }
+    Plane { width: plane.width, values: sum }
+}
+
 // ---- features (section 4.2) ----
 
 /// How much two (edge, point) strengths differ, 0 to 1.
@@ -245,62 +256,6 @@ impl Detector {
             edge: balanced(taps(radius, |x| -x * gaussian(x))),
             point: balanced(taps(radius, |x| (x * x / (sigma * sigma) - 1.0) * gaussian(x))),
         }
-    }
-}
-
-/// A function at the whole numbers from `-radius` to `radius`.
-fn taps(radius: f32, f: impl Fn(f32) -> f32) -> Vec<f32> {
-    let r = radius as i32;
-    (-r..=r).map(|x| f(x as f32)).collect()
-}
-
-/// One number per pixel.
-struct Plane {
-    width: usize,
-    values: Vec<f32>,
-}
-
-impl Plane {
-    /// The sum of all separable terms of `blur`.
-    fn blurred(&self, blur: &Blur) -> Self {
-        let mut sum = vec![0.0; self.values.len()];
-        for (factor, shape) in blur {
-            let term = self.convolved(shape, shape);
-            sum.iter_mut().zip(term.values).for_each(|(s, t)| *s += factor * t);
-        }
-        Self { width: self.width, values: sum }
-    }
-
-    /// Weighted sums with `across` along rows, then `down` along columns; both
-    /// have odd lengths. Pixels outside take the value of the nearest inside.
-    fn convolved(&self, across: &[f32], down: &[f32]) -> Self {
-        let width = self.width;
-        let height = self.values.len() / width;
-
-        let mut rows = vec![0.0; self.values.len()];
-        let radius = across.len() / 2;
-        rows.par_chunks_mut(width).zip(self.values.par_chunks(width)).for_each(|(to, from)| {
-            let outside = |x: f32| std::iter::repeat_n(x, radius);
-            let padded: Vec<f32> = outside(from[0])
-                .chain(from.iter().copied())
-                .chain(outside(from[width - 1]))
-                .collect();
-            for (tap, weight) in across.iter().enumerate() {
-                to.iter_mut().zip(&padded[tap..]).for_each(|(to, from)| *to += weight * from);
-            }
-        });
-
-        let mut values = vec![0.0; self.values.len()];
-        let radius = down.len() / 2;
-        values.par_chunks_mut(width).enumerate().for_each(|(y, to)| {
-            for (tap, weight) in down.iter().enumerate() {
-                let from = (y + tap).saturating_sub(radius).min(height - 1) * width;
-                for (value, row) in to.iter_mut().zip(&rows[from..from + width]) {
-                    *value += weight * row;
-                }
-            }
-        });
-        Self { width, values }
     }
 }
 

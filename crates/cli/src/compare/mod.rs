@@ -3,6 +3,8 @@
 mod false_color;
 mod flip;
 mod metrics;
+mod plane;
+mod ssim;
 #[cfg(test)]
 mod testing;
 
@@ -26,9 +28,9 @@ Examples:
   rutilant compare out.png reference.png --diff diff.png
   rutilant compare out.exr reference.exr --json | jq .relmse
 
-RMSE and relMSE are taken on scene-linear values, PSNR and FLIP on what a display shows (sRGB, 8 bits).
+RMSE and relMSE are taken on scene-linear values, PSNR, SSIM and FLIP on what a display shows (sRGB, 8 bits).
 HDR-FLIP shows scene-linear files at all exposures where the reference has something to show.
-FLIP runs from 0 (no visible difference) to 1, for a viewer 0.7 m from a 0.7 m wide 4K display.";
+SSIM is 1 for equal pictures. FLIP runs from 0 (no visible difference) to 1, for a viewer 0.7 m from a 0.7 m wide 4K display.";
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -39,7 +41,7 @@ pub(crate) struct Args {
     /// Write a picture of the FLIP difference: black where there is none, then violet, orange, yellow
     #[arg(long, value_name = "FILE")]
     diff: Option<PathBuf>,
-    /// Brightness in stops at which PSNR and FLIP see scene-linear files
+    /// Brightness in stops at which PSNR, SSIM and FLIP see scene-linear files
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = options::finite, allow_hyphen_values = true)]
     exposure: f32,
     /// What becomes of values above white there
@@ -78,6 +80,7 @@ struct Comparison<'a> {
     errors: Errors,
     /// In decibels, of display values with peak 1; null for equal pictures.
     psnr: f64,
+    ssim: f64,
     flip: f64,
     /// Only of two scene-linear files.
     hdr_flip: Option<f64>,
@@ -136,6 +139,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         size,
         errors,
         psnr,
+        ssim: mean(&ssim::map(&test_shown, &reference_shown), &counts),
         flip: mean(&map, &counts),
         hdr_flip: hdr_map.as_ref().map(|map| mean(map, &counts)),
         not_finite,
@@ -183,6 +187,7 @@ fn describe(c: &Comparison<'_>) -> String {
         format!("          {:<10.5} without the worst 0.1 % of pixels", e.relmse_999),
         format!("bias      {:<+10.5} on a mean of {:.5}", e.bias, e.reference_mean),
         format!("PSNR      {:<10} of display values", format!("{:.2} dB", c.psnr)),
+        format!("SSIM      {:<10.5} of display values", c.ssim),
         format!("FLIP      {:<10.5} of display values", c.flip),
     ];
     if let Some(hdr) = c.hdr_flip {

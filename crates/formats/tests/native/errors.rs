@@ -171,6 +171,18 @@ const MISTAKES: &[(&str, &str)] = &[
         "12:11: fresnel \"schlick\" is for smooth glass; rough glass takes \"exact\"",
     ),
     (
+        "[render]\nheuristic = \"cutoff\"",
+        r#"9:13: no heuristic "cutoff"; there are power, balance, optimal"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nsampling = \"unifrom\"",
+        r#"11:12: no sampling "unifrom"; did you mean "uniform"?"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nroughness = 0.3\nsampling = \"uniform\"",
+        "12:12: sampling \"uniform\" is for smooth surfaces; rough ones take \"cosine\"",
+    ),
+    (
         "[[material]]\nname = \"a\"\ntype = \"mirror\"\nroughness = 0.3",
         r#"11:1: no key "roughness" in a mirror, only in a matte material or a conductor or a dielectric"#,
     ),

@@ -7,7 +7,9 @@ use rutilant::color::Rgb;
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::light::{EnvironmentLight, Light, SpotLight};
-use rutilant::material::{Absorption, EmittedLight, MaterialKind, Metal};
+use rutilant::material::{
+    Absorption, EmittedLight, HemisphereSampling, MaterialKind, Matte, Metal,
+};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{
     Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
@@ -220,6 +222,7 @@ fn settings_have_names() {
     assert_eq!(get("strategy = \"light\"").strategy, Strategy::LightOnly);
     assert_eq!(get("strategy = \"bsdf\"").strategy, Strategy::BsdfOnly);
     assert_eq!(get("heuristic = \"balance\"").heuristic, Heuristic::Balance);
+    assert_eq!(get("heuristic = \"optimal\"").heuristic, Heuristic::Optimal);
     assert_eq!(get("roulette = \"albedo\"").roulette, Roulette::Albedo);
     assert_eq!(get("roulette = \"off\"").roulette, Roulette::Off);
     assert_eq!(get("light_selection = \"uniform\"").light_selection, LightSelection::Uniform);
@@ -239,6 +242,14 @@ fn rough_and_thin_materials_mean_what_they_say() {
     };
     let MaterialKind::Matte(clay) = kind("type = \"matte\"\nroughness = 0.7") else { panic!() };
     assert_eq!((clay.albedo, clay.roughness), (Rgb::grey(0.5), 0.7));
+    for (lines, sampling) in [
+        ("", HemisphereSampling::Cosine),
+        ("sampling = \"cosine\"", HemisphereSampling::Cosine),
+        ("sampling = \"uniform\"", HemisphereSampling::Uniform),
+    ] {
+        let paper = Matte { sampling, ..Matte::new(Rgb::grey(0.5)) };
+        assert_eq!(kind(&format!("type = \"matte\"\n{lines}")), MaterialKind::Matte(paper));
+    }
     for (name, metal) in [
         ("gold", Metal::Gold),
         ("copper", Metal::Copper),

@@ -2,9 +2,10 @@
 //!
 //! The primitives' centres are counted into a few bins along each axis, and the
 //! boundary between two bins with the least expected cost divides them, if that
-//! is cheaper than a leaf. Large parts are built in parallel; a part is divided
-//! in the same way whoever does it, so the tree has the same bits for any
-//! number of threads.
+//! is cheaper than a leaf. Few primitives are sorted instead, and every way to
+//! divide them is tried. Large parts are built in parallel; a part is divided in
+//! the same way whoever does it, so the tree has the same bits for any number of
+//! threads.
 //!
 //! Depth is bounded for any input: a node of n primitives at depth d is divided
 //! by the heuristic only while every child could still be finished by halving
@@ -22,7 +23,8 @@ use crate::{Aabb, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Bins along each axis, 2 to 64; others are moved into that range. Eight
-    /// bins have seven planes between them, 21 over the three axes.
+    /// bins have seven planes between them, 21 over the three axes. Parts of few primitives are
+    /// divided without bins.
     pub bins: u32,
     /// The most primitives in a leaf, at least 1.
     pub max_leaf: u32,
@@ -35,7 +37,7 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { bins: 8, max_leaf: 8, traversal_cost: 1.0, intersection_cost: 1.0 }
+        Self { bins: 16, max_leaf: 8, traversal_cost: 1.0, intersection_cost: 1.0 }
     }
 }
 
@@ -115,6 +117,9 @@ impl Bvh {
 /// More bins than this gain nothing.
 const MAX_BINS: usize = 64;
 
+/// So few primitives are divided in the best of all places.
+const SWEPT: usize = 16;
+
 /// Parts with fewer primitives are built by one thread.
 const PARALLEL_FROM: usize = 4096;
 
@@ -170,11 +175,12 @@ fn half_area(bounds: &Aabb) -> f64 {
     e.x * e.y + e.y * e.z + e.z * e.x
 }
 
-/// A plane between two bins: primitives in bins below `bin` go left.
+/// A way to divide: what is in bins below `place`, or before it in the order along the axis, goes
+/// left.
 #[derive(Clone, Copy)]
 struct Split {
     axis: usize,
-    bin: usize,
+    place: usize,
     cost: f64,
     largest: usize,
 }
@@ -270,7 +276,8 @@ impl Builder<'_> {
             return None;
         }
         let binning = Binning::new(&part.centers, self.options.bins);
-        if let Some(split) = self.cheapest(items, &binning) {
+        let few = n <= SWEPT;
+        if let Some(split) = if few { self.swept(items) } else { self.binned(items, &binning) } {
             let inner = f64::from(self.options.traversal_cost) * half_area(&part.bounds)
                 + f64::from(self.options.intersection_cost) * split.cost;
             let leaf =
@@ -279,8 +286,12 @@ impl Builder<'_> {
                 return None;
             }
             if depth + 1 + halvings(split.largest) <= MAX_DEPTH {
+                if few {
+                    sort_by_center(items, split.axis);
+                    return Some(split.place);
+                }
                 return Some(partition(items, |item| {
-                    binning.bins_of(item.bounds.center())[split.axis] < split.bin
+                    binning.bins_of(item.bounds.center())[split.axis] < split.place
                 }));
             }
         } else if may_be_leaf {
@@ -298,8 +309,32 @@ impl Builder<'_> {
         Some(middle)
     }
 
+    /// The cheapest of all ways to divide few items where their centres do along some axis.
+    fn swept(&self, items: &mut [Item]) -> Option<Split> {
+        let n = items.len();
+        let mut best: Option<Split> = None;
+        for axis in 0..3 {
+            sort_by_center(items, axis);
+            let mut from = [0.0; SWEPT];
+            let mut sum = Aabb::EMPTY;
+            for i in (1..n).rev() {
+                sum = sum.union(items[i].bounds);
+                from[i] = half_area(&sum) * (n - i) as f64;
+            }
+            let mut left = Aabb::EMPTY;
+            for place in 1..n {
+                left = left.union(items[place - 1].bounds);
+                let cost = half_area(&left) * place as f64 + from[place];
+                if best.is_none_or(|best| cost < best.cost) {
+                    best = Some(Split { axis, place, cost, largest: place.max(n - place) });
+                }
+            }
+        }
+        best
+    }
+
     /// The cheapest of all planes between bins that leave no side empty.
-    fn cheapest(&mut self, items: &[Item], binning: &Binning) -> Option<Split> {
+    fn binned(&mut self, items: &[Item], binning: &Binning) -> Option<Split> {
         let bins = self.options.bins as usize;
         for axis in self.bins.iter_mut() {
             axis[..bins].fill(Bin::EMPTY);
@@ -332,12 +367,18 @@ impl Builder<'_> {
                 let cost = left.cost() + right.cost();
                 if best.is_none_or(|best| cost < best.cost) {
                     let largest = left.count.max(right.count) as usize;
-                    best = Some(Split { axis, bin, cost, largest });
+                    best = Some(Split { axis, place: bin, cost, largest });
                 }
             }
         }
         best
     }
+}
+
+/// Equal centres stay in the order of their numbers.
+fn sort_by_center(items: &mut [Item], axis: usize) {
+    let key = |item: &Item| item.bounds.min[axis] + item.bounds.max[axis];
+    items.sort_unstable_by(|a, b| key(a).total_cmp(&key(b)).then(a.number.cmp(&b.number)));
 }
 
 /// How often n things must be halved until each stands alone: ⌈log₂ n⌉.

@@ -17,6 +17,7 @@ mod rough_conductor;
 mod rough_dielectric;
 mod sample;
 mod thin_dielectric;
+mod uniform_lambert;
 
 pub use conductor::SmoothConductor;
 pub use dielectric::SmoothDielectric;
@@ -29,6 +30,7 @@ pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use sample::BsdfSample;
 pub use thin_dielectric::ThinDielectric;
+pub use uniform_lambert::UniformLambert;
 
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
@@ -40,6 +42,8 @@ use rutilant_geom::{Vec2, Vec3};
 pub enum Lobe {
     /// Diffuse reflection.
     Lambert(Lambert),
+    /// The same, with evenly drawn directions.
+    UniformLambert(UniformLambert),
     /// Diffuse reflection from a rough surface.
     OrenNayar(OrenNayar),
     /// Mirror reflection, the same at every angle.
@@ -61,6 +65,7 @@ impl Lobe {
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Lambert(_)
+            | Self::UniformLambert(_)
             | Self::OrenNayar(_)
             | Self::RoughConductor(_)
             | Self::RoughDielectric(_) => false,
@@ -76,6 +81,7 @@ impl Lobe {
         match self {
             Self::RoughDielectric(_) => true,
             Self::Lambert(_)
+            | Self::UniformLambert(_)
             | Self::OrenNayar(_)
             | Self::RoughConductor(_)
             | Self::Mirror(_)
@@ -91,6 +97,7 @@ impl Lobe {
     pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         match self {
             Self::Lambert(l) => (l.eval_cos(wo, wi), l.pdf(wo, wi)),
+            Self::UniformLambert(l) => (l.eval_cos(wo, wi), l.pdf(wo, wi)),
             Self::OrenNayar(l) => (l.eval_cos(wo, wi), l.pdf(wo, wi)),
             Self::RoughConductor(l) => l.eval_cos_pdf(wo, wi),
             Self::RoughDielectric(l) => l.eval_cos_pdf(wo, wi),
@@ -107,6 +114,7 @@ impl Lobe {
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
         match self {
             Self::Lambert(l) => l.sample(wo, u),
+            Self::UniformLambert(l) => l.sample(wo, u),
             Self::OrenNayar(l) => l.sample(wo, choice, u),
             Self::Mirror(l) => l.sample(wo),
             Self::Conductor(l) => l.sample(wo),
@@ -122,6 +130,7 @@ impl Lobe {
     pub fn albedo(&self) -> Spectrum {
         match self {
             Self::Lambert(l) => l.albedo,
+            Self::UniformLambert(l) => l.albedo,
             Self::OrenNayar(l) => l.albedo(),
             Self::Mirror(l) => l.reflectance,
             Self::Conductor(l) => l.albedo(),
@@ -200,6 +209,7 @@ impl Bsdf {
                 Lobe::RoughDielectric,
             ),
             Lobe::Lambert(_)
+            | Lobe::UniformLambert(_)
             | Lobe::OrenNayar(_)
             | Lobe::Mirror(_)
             | Lobe::Conductor(_)

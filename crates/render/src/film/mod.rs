@@ -6,6 +6,7 @@
 
 mod crop;
 mod filter;
+mod learned;
 
 pub use crop::Crop;
 pub use filter::Filter;
@@ -13,6 +14,7 @@ pub(crate) use filter::FilterSampler;
 
 use crate::color::Spectrum;
 use crate::image::{Channel, Image};
+use learned::Learned;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -63,6 +65,8 @@ pub(crate) struct Tile {
     pub(crate) next_sample: u64,
     /// (height, width) sums.
     pixels: Vec<Pixel>,
+    /// What each pixel has learnt of its noise; empty where samples tell nothing of it.
+    learned: Vec<Learned>,
 }
 
 /// Samples that were no numbers. They are left out of the mean.
@@ -93,10 +97,29 @@ impl Dropped {
 }
 
 impl Tile {
-    /// Adds a sample of the pixel at (`x`, `y`) of the whole picture; the value is finite.
-    fn add(&mut self, x: u32, y: u32, value: Spectrum) {
-        let i = (y - self.area.y) * self.area.width + (x - self.area.x);
-        self.pixels[i as usize].add(value);
+    /// Adds a sample of the pixel at (`x`, `y`) of the whole picture. Returns false, and does
+    /// nothing, where it is not finite.
+    fn add(&mut self, x: u32, y: u32, value: Spectrum, control: f32) -> bool {
+        let i = ((y - self.area.y) * self.area.width + (x - self.area.x)) as usize;
+        let value = if self.learned.is_empty() { value } else { self.learn(i, value, control) };
+        let finite = value.is_finite();
+        if finite {
+            self.pixels[i].add(value);
+        }
+        finite
+    }
+
+    /// A sample of pixel `i` as those before it correct it; those after it learn from it. Apart,
+    /// so that the common way stays short.
+    #[inline(never)]
+    fn learn(&mut self, i: usize, value: Spectrum, control: f32) -> Spectrum {
+        let (pixel, learned) = (&self.pixels[i], &mut self.learned[i]);
+        let n = pixel.count.max(1) as f64;
+        let corrected = learned.corrected(value, control, pixel.sum.map(|sum| sum / n));
+        if corrected.is_finite() {
+            learned.add(value, control);
+        }
+        corrected
     }
 }
 
@@ -112,7 +135,8 @@ pub(crate) struct Film {
 }
 
 impl Film {
-    pub(crate) fn new(window: Crop) -> Self {
+    /// A black film. With `learns`, samples bring a control that its pixels learn to use.
+    pub(crate) fn new(window: Crop, learns: bool) -> Self {
         let (columns, rows) = (window.width.div_ceil(TILE), window.height.div_ceil(TILE));
         let mut places: Vec<(u32, u32)> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).collect();
@@ -122,10 +146,12 @@ impl Film {
             .map(|(column, row)| {
                 let (x, y) = (column * TILE, row * TILE);
                 let (width, height) = (TILE.min(window.width - x), TILE.min(window.height - y));
+                let pixels = (width * height) as usize;
                 Mutex::new(Tile {
                     area: Crop { x: window.x + x, y: window.y + y, width, height },
                     next_sample: 0,
-                    pixels: vec![Pixel::default(); (width * height) as usize],
+                    pixels: vec![Pixel::default(); pixels],
+                    learned: vec![Learned::default(); if learns { pixels } else { 0 }],
                 })
             })
             .collect();
@@ -138,12 +164,18 @@ impl Film {
         self.tiles.len()
     }
 
-    /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture to its tile. A
-    /// value that is not finite is dropped and counted.
-    pub(crate) fn add(&self, tile: &mut Tile, [x, y]: [u32; 2], sample: u64, value: Spectrum) {
-        if value.is_finite() {
-            tile.add(x, y, value);
-        } else {
+    /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture to its tile,
+    /// with a `control` whose mean is zero and whose noise it may share. A value that is not
+    /// finite is dropped and counted.
+    pub(crate) fn add(
+        &self,
+        tile: &mut Tile,
+        [x, y]: [u32; 2],
+        sample: u64,
+        value: Spectrum,
+        control: f32,
+    ) {
+        if !tile.add(x, y, value, control) {
             locked(&self.dropped).add(DroppedSample { sample, y, x });
         }
     }
@@ -240,11 +272,11 @@ mod tests {
     /// One bad sample must not spoil its pixel: it is dropped, counted and located.
     #[test]
     fn samples_that_are_no_numbers_are_dropped_and_located() {
-        let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 });
+        let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 }, false);
         let mut tile = film.tile(0);
-        film.add(&mut tile, [7, 8], 0, Spectrum::WHITE);
-        film.add(&mut tile, [7, 8], 2, Spectrum::splat(f32::INFINITY));
-        film.add(&mut tile, [9, 8], 1, Spectrum::from([0.0, f32::NAN, 0.0]));
+        film.add(&mut tile, [7, 8], 0, Spectrum::WHITE, 0.0);
+        film.add(&mut tile, [7, 8], 2, Spectrum::splat(f32::INFINITY), 0.0);
+        film.add(&mut tile, [9, 8], 1, Spectrum::from([0.0, f32::NAN, 0.0]), 0.0);
         drop(tile);
         let first = Some(DroppedSample { sample: 1, y: 8, x: 9 });
         assert_eq!(film.dropped(), Dropped { count: 2, first });
@@ -259,7 +291,7 @@ mod tests {
     #[test]
     fn tiles_cover_the_window() {
         for (width, height) in [(1, 1), (101, 97), (16, 33), (1, 1000)] {
-            let film = Film::new(Crop { x: 3, y: 4, width, height });
+            let film = Film::new(Crop { x: 3, y: 4, width, height }, false);
             let mut seen = vec![0; (width * height) as usize];
             for i in 0..film.tile_count() {
                 let area = film.tile(i).area;

@@ -16,4 +16,16 @@ pub(crate) trait Integrator: Sync {
         sampler: &S,
         rays: &mut u64,
     ) -> Spectrum;
+
+    /// The same radiance, and a number whose mean is zero and whose noise the radiance may share,
+    /// which the film then takes out. 0 for integrators that know of none.
+    fn controlled<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+    ) -> (Spectrum, f32) {
+        (self.radiance(scene, ray, sampler, rays), 0.0)
+    }
 }

@@ -1,15 +1,18 @@
 //! What is computed along each camera ray.
 
+mod control;
 mod debug;
 pub(crate) mod dimension;
 mod direct;
 mod emission;
 mod estimate;
 mod naive;
+mod optimal;
 mod path;
 
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
 pub(crate) use direct::Direct;
 pub(crate) use estimate::Integrator;
 pub(crate) use naive::Naive;
+pub(crate) use optimal::Optimal;
 pub(crate) use path::Path;

@@ -10,6 +10,7 @@
 //! Source: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, *Robust
 //! Monte Carlo Methods for Light Transport Simulation*, 1997, chapters 8 to 10.
 
+use super::control::Control;
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
@@ -48,6 +49,20 @@ impl Integrator for Path {
         sampler: &S,
         rays: &mut u64,
     ) -> Spectrum {
+        self.trace(scene, camera_ray, sampler, rays, &mut ())
+    }
+}
+
+impl Path {
+    /// The radiance along `camera_ray`. Tells `control` how light was found.
+    pub(super) fn trace<S: Sampler, C: Control>(
+        &self,
+        scene: &Prepared,
+        camera_ray: Ray,
+        sampler: &S,
+        rays: &mut u64,
+        control: &mut C,
+    ) -> Spectrum {
         let mut radiance = Spectrum::BLACK;
         let mut throughput = Spectrum::WHITE;
         let mut ray = camera_ray;
@@ -64,19 +79,21 @@ impl Integrator for Path {
             let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |glowing| {
                 if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
                     let previous = previous.as_ref().filter(|_| !glowing.beyond_passed);
-                    let seen = self.weighted(scene, &emission, direction, previous);
+                    control.carries(throughput * glowing.through);
+                    let seen = self.weighted(scene, &emission, direction, previous, control);
                     radiance += throughput * glowing.through * seen;
                 }
             });
             throughput *= way.through;
+            control.carries(throughput);
             if way.passed {
                 // Light sampling could not have come through.
                 previous = None;
             }
             let Some(met) = way.met else {
                 if let Some(sky) = SeenEmission::of_sky(scene, direction) {
-                    radiance +=
-                        throughput * self.weighted(scene, &sky, direction, previous.as_ref());
+                    radiance += throughput
+                        * self.weighted(scene, &sky, direction, previous.as_ref(), control);
                 }
                 break;
             };
@@ -85,8 +102,8 @@ impl Integrator for Path {
 
             // Light that starts here, weighted against having been chosen by light sampling.
             if let Some(emission) = SeenEmission::of_surface(scene, at) {
-                radiance +=
-                    throughput * self.weighted(scene, &emission, direction, previous.as_ref());
+                radiance += throughput
+                    * self.weighted(scene, &emission, direction, previous.as_ref(), control);
             }
             if depth == self.max_depth {
                 break;
@@ -98,7 +115,7 @@ impl Integrator for Path {
                 let beyond = met.absorption_beyond(&media);
                 let sides = [media.absorption, beyond];
                 radiance += throughput
-                    * self.direct_light(scene, at, material, sides, sampler, bounce, rays);
+                    * self.direct_light(scene, at, material, sides, sampler, bounce, rays, control);
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -124,21 +141,21 @@ impl Integrator for Path {
                     break;
                 }
                 throughput *= 1.0 / survival;
+                control.survived(1.0 / survival);
             }
         }
         radiance
     }
-}
 
-impl Path {
     /// Emission that a ray in this direction ran into, times the share that BSDF sampling has in
     /// finding it; all of it without a `previous` surface.
-    fn weighted(
+    fn weighted<C: Control>(
         &self,
         scene: &Prepared,
         seen: &SeenEmission,
         direction: Vec3,
         previous: Option<&Previous>,
+        control: &mut C,
     ) -> Spectrum {
         let share = match previous {
             None => 1.0,
@@ -149,7 +166,11 @@ impl Path {
                     // What no light sample finds counts in full.
                     Strategy::LightOnly if light_pdf() == 0.0 => 1.0,
                     Strategy::LightOnly => 0.0,
-                    Strategy::Both => self.heuristic.share(p.pdf, light_pdf()),
+                    Strategy::Both => {
+                        let share = self.heuristic.share(p.pdf, light_pdf());
+                        control.scattered(seen.radiance, 1.0 - share);
+                        share
+                    }
                 }
             }
         };
@@ -160,7 +181,7 @@ impl Path {
     /// finding it, scattered towards `wo`. `sides` are the absorptions on the side of `wo` and
     /// beyond the surface.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
-    fn direct_light<S: Sampler>(
+    fn direct_light<S: Sampler, C: Control>(
         &self,
         scene: &Prepared,
         at: &SurfaceInteraction,
@@ -169,7 +190,9 @@ impl Path {
         sampler: &S,
         bounce: Bounce,
         rays: &mut u64,
+        control: &mut C,
     ) -> Spectrum {
+        control.surface();
         // Light may arrive on either side of a clear surface: seen from the surface itself.
         let translucent = material.bsdf.is_translucent();
         let from = if translucent { at.position } else { at.reflected_origin() };
@@ -202,7 +225,9 @@ impl Path {
             return Spectrum::BLACK;
         }
         let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-        unshadowed * transmittance(sides[usize::from(beyond)], distance)
+        let arrives = unshadowed * transmittance(sides[usize::from(beyond)], distance);
+        control.light(arrives, 1.0 - share);
+        arrives
     }
 
     /// The probability with which a path goes on after its `depth`-th segment.
@@ -242,7 +267,7 @@ impl Heuristic {
         // Ratios first: squares of large densities overflow.
         let ratio = other / own;
         match self {
-            Self::Balance => 1.0 / (1.0 + ratio),
+            Self::Balance | Self::Optimal => 1.0 / (1.0 + ratio),
             Self::Power => 1.0 / (1.0 + ratio * ratio),
         }
     }

@@ -14,7 +14,7 @@ pub use conductor::Conductor;
 pub use custom::{CustomMaterial, SurfacePoint};
 pub use dielectric::{Absorption, Dielectric, Medium};
 pub use emission::{Emission, EmittedLight};
-pub use matte::Matte;
+pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use mix::Mix;

@@ -2,9 +2,9 @@
 
 use crate::bsdf::{
     Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
-    SmoothConductor, SmoothDielectric, ThinDielectric,
+    SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
 };
-use crate::material::{CustomMaterial, Dielectric, Material, MaterialKind};
+use crate::material::{CustomMaterial, Dielectric, HemisphereSampling, Material, MaterialKind};
 use crate::medium::{Border, PreparedMedium};
 use crate::scene::MaterialId;
 use std::collections::BTreeMap;
@@ -122,7 +122,11 @@ fn lobe(material: &Material) -> Option<Lobe> {
             Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))
         }
         MaterialKind::Matte(m) if m.roughness == 0.0 => {
-            Some(Lobe::Lambert(Lambert { albedo: m.albedo.into() }))
+            let albedo = m.albedo.into();
+            Some(match m.sampling {
+                HemisphereSampling::Cosine => Lobe::Lambert(Lambert { albedo }),
+                HemisphereSampling::Uniform => Lobe::UniformLambert(UniformLambert { albedo }),
+            })
         }
         MaterialKind::Matte(m) => {
             Some(Lobe::OrenNayar(OrenNayar::new(m.albedo.into(), m.roughness)))

@@ -8,8 +8,8 @@ use crate::shown::shown;
 use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
-    Absorption, Conductor, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte,
-    Medium, Metal, Mirror, Mix, ThinDielectric,
+    Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
+    MaterialKind, Matte, Medium, Metal, Mirror, Mix, ThinDielectric,
 };
 use rutilant::scene::{MaterialId, Place};
 use std::collections::HashMap;
@@ -38,6 +38,9 @@ const TYPES: &[(&str, Type)] = &[
     ("black", Type::Black),
     ("null", Type::Null),
 ];
+
+const SAMPLINGS: &[(&str, HemisphereSampling)] =
+    &[("cosine", HemisphereSampling::Cosine), ("uniform", HemisphereSampling::Uniform)];
 
 const METALS: &[(&str, Metal)] = &[
     ("gold", Metal::Gold),
@@ -107,6 +110,11 @@ fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
             MaterialKind::Matte(Matte {
                 albedo: table.or("albedo", Value::color, Rgb::grey(0.5))?,
                 roughness: roughness(table)?,
+                sampling: table.or(
+                    "sampling",
+                    |v| v.one_of("sampling", SAMPLINGS),
+                    HemisphereSampling::Cosine,
+                )?,
             })
         }
         Type::Mirror => {

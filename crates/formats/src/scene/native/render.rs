@@ -22,8 +22,11 @@ const SAMPLERS: &[(&str, SamplerKind)] =
     &[("sobol", SamplerKind::Sobol), ("independent", SamplerKind::Independent)];
 const STRATEGIES: &[(&str, Strategy)] =
     &[("both", Strategy::Both), ("light", Strategy::LightOnly), ("bsdf", Strategy::BsdfOnly)];
-const HEURISTICS: &[(&str, Heuristic)] =
-    &[("power", Heuristic::Power), ("balance", Heuristic::Balance)];
+const HEURISTICS: &[(&str, Heuristic)] = &[
+    ("power", Heuristic::Power),
+    ("balance", Heuristic::Balance),
+    ("optimal", Heuristic::Optimal),
+];
 const ROULETTES: &[(&str, Roulette)] =
     &[("throughput", Roulette::Throughput), ("albedo", Roulette::Albedo), ("off", Roulette::Off)];
 const LIGHT_SELECTIONS: &[(&str, LightSelection)] =
