@@ -34,6 +34,9 @@ pub(crate) struct RaysArgs {
     /// Threads that build and trace
     #[arg(long, value_name = "N", value_parser = options::threads, default_value_t = 1)]
     threads: usize,
+    /// Instructions that rays are traced with
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = options::SimdLevel::Auto)]
+    simd: options::SimdLevel,
     /// How often each set is traced
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repetitions: u32,
@@ -90,6 +93,7 @@ fn rays(args: &RaysArgs) -> Result<Exit, Failure> {
     let (surfaces, building) = timed(|| {
         Surfaces::new(positions, indices, Vec::new(), Vec::new(), &BuildOptions::default())
     });
+    let surfaces = surfaces.with_simd(args.simd.into()).ok_or_else(|| args.simd.missing())?;
 
     let built = surfaces.report();
     let mut report = Report {

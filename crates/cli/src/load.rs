@@ -81,8 +81,12 @@ pub(crate) fn stem(scene: Option<&Path>) -> PathBuf {
 }
 
 /// Makes a scene traceable.
-pub(crate) fn prepare(loaded: &LoadedScene) -> Result<Arc<Prepared>, Failure> {
-    Ok(Arc::new(Prepared::new(&loaded.scene)?))
+pub(crate) fn prepare(
+    loaded: &LoadedScene,
+    simd: options::SimdLevel,
+) -> Result<Arc<Prepared>, Failure> {
+    let prepared = Prepared::new(&loaded.scene)?.with_simd(simd.into());
+    prepared.map(Arc::new).ok_or_else(|| simd.missing())
 }
 
 /// What was said about a scene when it was read and prepared, and what its rendering with

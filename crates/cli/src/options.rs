@@ -1,7 +1,9 @@
 //! Values of options: what is written on the command line, and what it means.
 
+use crate::failure::Failure;
 use clap::ValueEnum;
 use rutilant::display::Curve;
+use rutilant::geom::Simd;
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
 use rutilant_formats::Limits;
 use std::time::Duration;
@@ -257,6 +259,37 @@ impl From<DisplayCurve> for Curve {
             DisplayCurve::Aces => Self::Aces,
             DisplayCurve::Agx => Self::Agx,
         }
+    }
+}
+
+/// The processor's instructions that rays are traced with.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum SimdLevel {
+    /// The best there are
+    Auto,
+    /// One box at a time
+    Scalar,
+    /// Four at a time
+    Sse4,
+    /// Eight at a time
+    Avx2,
+}
+
+impl From<SimdLevel> for Simd {
+    fn from(level: SimdLevel) -> Self {
+        match level {
+            SimdLevel::Auto => Self::Auto,
+            SimdLevel::Scalar => Self::Scalar,
+            SimdLevel::Sse4 => Self::Sse4,
+            SimdLevel::Avx2 => Self::Avx2,
+        }
+    }
+}
+
+impl SimdLevel {
+    /// What is said where the processor has no such instructions.
+    pub(crate) fn missing(self) -> Failure {
+        Failure::usage(format!("this processor has no instructions \"{}\"", name(&self)))
     }
 }
 

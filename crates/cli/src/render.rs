@@ -90,6 +90,9 @@ pub(crate) struct Args {
     /// Threads; any number gives the same picture [default: one for each core]
     #[arg(long, value_name = "N", help_heading = RUNNING, value_parser = options::threads, default_value_t = options::all_threads(), hide_default_value = true)]
     threads: usize,
+    /// Instructions that rays are traced with; any give the same picture
+    #[arg(long, value_name = "NAME", help_heading = RUNNING, value_enum, default_value_t = options::SimdLevel::Auto)]
+    simd: options::SimdLevel,
     /// How progress is shown
     #[arg(long, value_name = "STYLE", help_heading = RUNNING, value_enum, default_value_t = Style::Bar)]
     progress: Style,
@@ -178,7 +181,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Prepare.
     let spinner = Spinner::start(style, "preparing");
-    let (prepared, preparing) = timed(|| load::prepare(&loaded));
+    let (prepared, preparing) = timed(|| load::prepare(&loaded, args.simd));
     let prepared = prepared?;
     let mut notes = load::notes(&loaded, &prepared, &settings, args.scene.as_deref());
     let (focus, no_focus) = focus::find(&loaded.scene, &prepared, settings.size);

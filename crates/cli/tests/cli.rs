@@ -388,7 +388,7 @@ fn info_counts_what_is_there() {
 /// The picture is a function of the scene alone: the old program lost rows with 7 threads and
 /// shifted bands with 16.
 #[test]
-fn any_number_of_threads_gives_the_same_pixels() {
+fn any_threads_and_instructions_give_the_same_pixels() {
     let desk = Desk::new();
     let hash = |arguments: &str| {
         desk.json(&format!("room.toml -o a.exr --quiet --json {arguments}"))["hash"].clone()
@@ -396,6 +396,9 @@ fn any_number_of_threads_gives_the_same_pixels() {
     let expected = hash("--threads 1");
     for threads in [2, 3, 5, 7, 16, 61] {
         assert_eq!(hash(&format!("--threads {threads}")), expected, "{threads} threads");
+    }
+    for simd in ["scalar", "auto"] {
+        assert_eq!(hash(&format!("--simd {simd}")), expected, "{simd}");
     }
     assert_ne!(hash("--seed 1"), expected);
     assert_ne!(hash("--sampler independent"), expected);

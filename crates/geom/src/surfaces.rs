@@ -1,13 +1,18 @@
 //! All surfaces of one space under one tree: triangles, spheres, disks and custom shapes.
 
+use crate::bvh::{Inside, Met, Order, PACK, WideNode, report, traverse, widened};
 use crate::custom::{Custom, CustomHit};
 use crate::disk::Disk;
+use crate::packs::{Pack, PackRay, fits};
+use crate::simd::Simd;
 use crate::sphere::Sphere;
 use crate::triangle::TriangleRay;
 use crate::{Aabb, BuildOptions, BuildReport, Bvh, Ray, Vec3, real};
+use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_1_PI, PI};
+use std::ops::Range;
 
 /// Triangles, spheres, disks and custom shapes, ready to be met by rays.
 ///
@@ -20,10 +25,16 @@ pub struct Surfaces {
     spheres: Vec<Sphere>,
     disks: Vec<Disk>,
     customs: Vec<Custom>,
-    bvh: Bvh,
-    /// The primitives in the order of the tree's leaves.
-    leaves: Vec<Leaf>,
+    nodes: Vec<WideNode>,
+    packs: Vec<Pack>,
+    /// The numbers of all primitives in the tree, leaf after leaf.
+    order: Vec<u32>,
+    /// Leaves whose primitives are met one by one, as places in the order.
+    others: Vec<Range<usize>>,
+    bounds: Aabb,
     report: BuildReport,
+    /// The instructions that traversal uses.
+    level: Level,
 }
 
 /// Where a ray met a surface.
@@ -105,31 +116,74 @@ impl Surfaces {
         bounds.extend(spheres_bounds.chain(disks_bounds).chain(customs.iter().map(Custom::bounds)));
 
         let bvh = Bvh::build(&bounds, options);
-        let leaf = |&primitive: &u32| {
-            let i = primitive as usize;
-            let (first_sphere, first_disk) = (triangles.len(), triangles.len() + spheres.len());
-            let first_custom = first_disk + disks.len();
-            if i < first_sphere {
-                Leaf::Triangle(triangles[i])
-            } else if i < first_disk {
-                Leaf::Sphere((i - first_sphere) as u32)
-            } else if i < first_custom {
-                Leaf::Disk((i - first_disk) as u32)
-            } else {
-                Leaf::Custom((i - first_custom) as u32)
-            }
+        // Triangles in packs where all of a leaf are, all else one by one.
+        let (mut packs, mut others) = (Vec::new(), Vec::new());
+        let corners = |i: &u32| {
+            let indices = triangles.get(*i as usize)?;
+            Some(indices.map(|vertex| positions[vertex as usize])).filter(|c| fits(*c))
         };
-        let leaves: Vec<Leaf> = bvh.order().par_iter().map(leaf).collect();
+        let cost = |places: &Range<usize>| {
+            let triangles =
+                bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
+            let most = if triangles { MOST_IN_LEAF } else { 1 };
+            (places.len() <= most).then(|| places.len().div_ceil(PACK) as f32)
+        };
+        let nodes = widened(&bvh, cost, |places, bounds| {
+            let leaf: Option<Vec<_>> = bvh.order()[places.clone()].iter().map(corners).collect();
+            match leaf {
+                Some(leaf) if leaf.len() <= PACK * Inside::MOST_PACKS as usize => {
+                    let before = packs.len() as u32;
+                    let starts = places.step_by(PACK);
+                    let packed = leaf.chunks(PACK).zip(starts);
+                    packs.extend(
+                        packed.map(|(triangles, first)| Pack::new(triangles, first, bounds)),
+                    );
+                    Inside::leaf(before, packs.len() as u32 - before)
+                }
+                _ => {
+                    others.push(places);
+                    Inside::leaf(others.len() as u32 - 1, 0)
+                }
+            }
+        });
+        let order = bvh.order().to_vec();
 
-        let bytes = bvh.report().bytes
-            + size_of_val(&*leaves)
+        let in_leaf = |inside: Inside| match inside.as_leaf() {
+            (other, 0) => others[other].len(),
+            (first, count) => packs[first..first + count].iter().map(Pack::len).sum(),
+        };
+        let bytes = size_of_val(&*nodes)
+            + size_of_val(&*packs)
+            + size_of_val(&*order)
+            + size_of_val(&*others)
             + size_of_val(&*positions)
             + size_of_val(&*triangles)
             + size_of_val(&*spheres)
             + size_of_val(&*disks)
             + size_of_val(&*customs);
-        let report = BuildReport { bytes, ..*bvh.report() };
-        Self { positions, triangles, spheres, disks, customs, bvh, leaves, report }
+        let report = BuildReport { bytes, ..report(&bvh, &nodes, in_leaf) };
+        let bounds = bvh.bounds();
+        let level = Simd::Auto.level().unwrap_or_else(Level::new);
+        Self {
+            positions,
+            triangles,
+            spheres,
+            disks,
+            customs,
+            nodes,
+            packs,
+            order,
+            others,
+            bounds,
+            report,
+            level,
+        }
+    }
+
+    /// The same, met with other instructions of the processor; what rays find has the same bits.
+    /// `None` where the processor has none of these.
+    pub fn with_simd(self, simd: Simd) -> Option<Self> {
+        simd.level().map(|level| Self { level, ..self })
     }
 
     /// What was built and what was left out. `bytes` counts the surfaces as well as the tree.
@@ -139,12 +193,7 @@ impl Surfaces {
 
     /// The box around everything; [`Aabb::EMPTY`] if there is nothing.
     pub fn bounds(&self) -> Aabb {
-        self.bvh.bounds()
-    }
-
-    /// The tree.
-    pub fn bvh(&self) -> &Bvh {
-        &self.bvh
+        self.bounds
     }
 
     /// All vertices.
@@ -186,21 +235,11 @@ impl Surfaces {
     ///
     /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let triangle_ray = TriangleRay::new(ray);
-        // What the nearest custom shape said. If that is the closest of all, it is needed again.
-        let mut custom: Option<(u32, CustomHit)> = None;
-        let closest = self.bvh.closest(ray, |place| {
-            // Triangles first: most are.
-            if let Leaf::Triangle(indices) = self.leaves[place] {
-                let [a, b, c] = indices.map(|i| self.positions[i as usize]);
-                return triangle_ray.intersect(a, b, c).map(|hit| (hit.t, [hit.u, hit.v]));
-            }
-            self.meet_other(place, ray, &mut custom)
-        })?;
+        let mut custom = None;
+        let nearest = dispatch!(self.level, simd => self.nearest(simd, ray, &mut custom))?;
 
         // Where exactly, in double precision; rounded once at the end.
-        let primitive = closest.primitive;
-        let [u, v] = closest.what;
+        let Nearest { t, primitive, uv: [u, v] } = nearest;
         let i = primitive as usize;
         let (position, normal, [u, v]) = if i < self.triangles.len() {
             let corners = self.triangle(primitive);
@@ -208,28 +247,164 @@ impl Surfaces {
             let position = a + (b - a) * u + (c - a) * v;
             (position, unit(triangle_normal(corners)), [u as f32, v as f32])
         } else if let Some(sphere) = self.spheres.get(i - self.triangles.len()) {
-            let (position, normal) = sphere.surface_at(ray, closest.t);
+            let (position, normal) = sphere.surface_at(ray, t);
             (position, normal, longitude_latitude(normal.as_vec3()))
         } else if let Some(disk) = self.disks.get(i - self.triangles.len() - self.spheres.len()) {
             (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32])
         } else {
-            let (_, hit) = custom?;
+            let hit = custom?;
             (hit.position, hit.normal, [u as f32, v as f32])
         };
         let (position, normal) = (position.as_vec3(), normal.as_vec3());
-        Some(Hit { primitive, t: closest.t as f32, u, v, position, normal })
+        Some(Hit { primitive, t: t as f32, u, v, position, normal })
     }
 
     /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let triangle_ray = TriangleRay::new(ray);
-        self.bvh.occluded(ray, |place| {
-            if let Leaf::Triangle(indices) = self.leaves[place] {
-                let [a, b, c] = indices.map(|i| self.positions[i as usize]);
-                return triangle_ray.intersect(a, b, c).is_some();
+        dispatch!(self.level, simd => self.blocked(simd, ray))
+    }
+
+    #[inline(always)]
+    fn nearest<S: fearless_simd::Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        custom: &mut Option<CustomHit>,
+    ) -> Option<Nearest> {
+        let pack_ray = PackRay::new(simd, ray);
+        let mut exact_ray = None;
+        let mut nearest: Option<Nearest> = None;
+        traverse(
+            simd,
+            &self.nodes,
+            ray,
+            Order::Nearest,
+            #[inline(always)]
+            |leaf| {
+                self.each_pack(&pack_ray, leaf, |pack, lane| {
+                    let [a, b, c] = pack.triangle(lane);
+                    let ray = exact_ray.get_or_insert_with(|| TriangleRay::new(ray));
+                    if let Some(hit) = ray.intersect(a, b, c) {
+                        let primitive = self.order[pack.place(lane)];
+                        Nearest { t: hit.t, primitive, uv: [hit.u, hit.v] }.keep(&mut nearest);
+                    }
+                    false
+                });
+                for number in self.singles_of(leaf) {
+                    self.meet_single(ray, *number, &mut nearest, custom);
+                }
+                Some(nearest.map_or(f64::from(ray.t_max), |n| n.t))
+            },
+        );
+        nearest
+    }
+
+    #[inline(always)]
+    fn blocked<S: fearless_simd::Simd>(&self, simd: S, ray: &Ray) -> bool {
+        let pack_ray = PackRay::new(simd, ray);
+        let mut exact_ray = None;
+        let mut blocked = false;
+        traverse(
+            simd,
+            &self.nodes,
+            ray,
+            Order::Any,
+            #[inline(always)]
+            |leaf| {
+                blocked = self.each_pack(&pack_ray, leaf, |pack, lane| {
+                    let [a, b, c] = pack.triangle(lane);
+                    let ray = exact_ray.get_or_insert_with(|| TriangleRay::new(ray));
+                    ray.intersect(a, b, c).is_some()
+                });
+                blocked = blocked
+                    || self.singles_of(leaf).iter().any(|number| {
+                        let mut nearest = None;
+                        self.meet_single(ray, *number, &mut nearest, &mut None);
+                        nearest.is_some()
+                    });
+                (!blocked).then_some(f64::from(ray.t_max))
+            },
+        );
+        blocked
+    }
+
+    /// Calls `met` for each triangle of a leaf's packs that the ray may meet, until it says that it
+    /// is enough; tells whether it did.
+    #[inline(always)]
+    fn each_pack<S: fearless_simd::Simd>(
+        &self,
+        ray: &PackRay<S>,
+        leaf: Met,
+        mut met: impl FnMut(&Pack, usize) -> bool,
+    ) -> bool {
+        let (first, count) = leaf.inside.as_leaf();
+        let Some(packs) = self.packs.get(first..first + count) else { return false };
+        for pack in packs {
+            let mut lanes = ray.meet(pack, leaf.way);
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize % PACK;
+                if met(pack, lane) {
+                    return true;
+                }
+                lanes &= lanes - 1;
             }
-            self.meet_other(place, ray, &mut None).is_some()
-        })
+        }
+        false
+    }
+
+    /// The primitives of a leaf that are met one by one.
+    #[inline(always)]
+    fn singles_of(&self, leaf: Met) -> &[u32] {
+        match leaf.inside.as_leaf() {
+            (number, 0) => &self.order[self.others[number].clone()],
+            _ => &[],
+        }
+    }
+
+    /// Meets one triangle, and keeps the hit if it is the nearest.
+    #[inline(never)]
+    fn meet_triangle(
+        &self,
+        ray: &Ray,
+        [a, b, c]: [Vec3; 3],
+        primitive: u32,
+        nearest: &mut Option<Nearest>,
+    ) {
+        if let Some(hit) = TriangleRay::new(ray).intersect(a, b, c) {
+            Nearest { t: hit.t, primitive, uv: [hit.u, hit.v] }.keep(nearest);
+        }
+    }
+
+    /// Meets one primitive of any kind, and keeps the hit if it is the nearest, with what a custom
+    /// shape `said`.
+    #[inline(never)]
+    fn meet_single(
+        &self,
+        ray: &Ray,
+        primitive: u32,
+        nearest: &mut Option<Nearest>,
+        said: &mut Option<CustomHit>,
+    ) {
+        let i = primitive as usize;
+        if i < self.triangles.len() {
+            return self.meet_triangle(ray, self.triangle(primitive), primitive, nearest);
+        }
+        let i = i - self.triangles.len();
+        let (t, uv) = if let Some(sphere) = self.spheres.get(i) {
+            let Some(t) = sphere.intersect(ray) else { return };
+            (t, [0.0, 0.0])
+        } else if let Some(disk) = self.disks.get(i - self.spheres.len()) {
+            let Some(hit) = disk.intersect(ray) else { return };
+            (hit.t, [hit.a, hit.b])
+        } else {
+            let custom = &self.customs[i - self.spheres.len() - self.disks.len()];
+            let Some(hit) = custom.intersect(ray) else { return };
+            if (Nearest { t: hit.t, primitive, uv: hit.uv }).keep(nearest) {
+                *said = Some(hit);
+            }
+            return;
+        };
+        Nearest { t, primitive, uv }.keep(nearest);
     }
 
     /// Every surface that the ray meets at the same place as `hit`, in no order to rely on: its
@@ -260,74 +435,69 @@ impl Surfaces {
         // How high the ends stand above the surface, and its normal.
         let ends = [before.as_dvec3(), beyond.as_dvec3()];
         let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
-        self.bvh.occluded(&near, |place| {
-            let surface = match self.leaves[place] {
-                Leaf::Triangle(indices) => {
-                    let corners = indices.map(|i| self.positions[i as usize]);
-                    let [a, b, c] = corners;
-                    let met = triangle_ray.intersect(a, b, c);
-                    met.map(|_| plane(a.as_dvec3(), triangle_normal(corners)))
-                }
-                Leaf::Sphere(i) => self.spheres[i as usize].intersect(&near).map(|t| {
-                    let Sphere { center, radius } = self.spheres[i as usize];
+        let mut look_at = |primitive: u32| {
+            let i = primitive as usize;
+            let round = i.wrapping_sub(self.triangles.len());
+            let surface = if i < self.triangles.len() {
+                let corners = self.triangle(primitive);
+                let [a, b, c] = corners;
+                let met = triangle_ray.intersect(a, b, c);
+                met.map(|_| plane(a.as_dvec3(), triangle_normal(corners)))
+            } else if let Some(sphere) = self.spheres.get(round) {
+                sphere.intersect(&near).map(|t| {
+                    let Sphere { center, radius } = *sphere;
                     let height = |e: DVec3| e.distance(center.as_dvec3()) - f64::from(radius);
-                    (ends.map(height), self.spheres[i as usize].surface_at(&near, t).1)
-                }),
-                Leaf::Disk(i) => {
-                    let disk = &self.disks[i as usize];
-                    let met = disk.intersect(&near);
-                    met.map(|_| plane(disk.center.as_dvec3(), disk.normal()))
-                }
-                Leaf::Custom(i) => {
-                    let met = self.customs[i as usize].intersect(&near);
-                    met.map(|hit| plane(hit.position, hit.normal))
-                }
+                    (ends.map(height), sphere.surface_at(&near, t).1)
+                })
+            } else if let Some(disk) = self.disks.get(round - self.spheres.len()) {
+                let met = disk.intersect(&near);
+                met.map(|_| plane(disk.center.as_dvec3(), disk.normal()))
+            } else {
+                let custom = &self.customs[round - self.spheres.len() - self.disks.len()];
+                custom.intersect(&near).map(|hit| plane(hit.position, hit.normal))
             };
             // Both ends stand on it where it runs through the scene's origin, and no offset moves.
             if let Some(([start, end], normal)) = surface
                 && start * end <= 0.0
             {
-                met(self.bvh.order()[place], normal.dot(direction) < 0.0);
+                met(primitive, normal.dot(direction) < 0.0);
             }
-            false
+        };
+        dispatch!(self.level, simd => {
+            let pack_ray = PackRay::new(simd, &near);
+            traverse(simd, &self.nodes, &near, Order::Any, |leaf| {
+                self.each_pack(&pack_ray, leaf, |pack, lane| {
+                    look_at(self.order[pack.place(lane)]);
+                    false
+                });
+                self.singles_of(leaf).iter().for_each(|number| look_at(*number));
+                Some(f64::from(near.t_max))
+            });
         });
-    }
-
-    /// Meets what is no triangle. Of custom shapes it keeps what they said, if that is nearer than
-    /// `nearest`. Apart, so that the loop over triangles stays tight.
-    #[inline(never)]
-    fn meet_other(
-        &self,
-        place: usize,
-        ray: &Ray,
-        nearest: &mut Option<(u32, CustomHit)>,
-    ) -> Option<(f64, [f64; 2])> {
-        match self.leaves[place] {
-            // Met by those who call this, with what they know of the ray.
-            Leaf::Triangle(_) => None,
-            Leaf::Sphere(i) => self.spheres[i as usize].intersect(ray).map(|t| (t, [0.0, 0.0])),
-            Leaf::Disk(i) => {
-                self.disks[i as usize].intersect(ray).map(|hit| (hit.t, [hit.a, hit.b]))
-            }
-            Leaf::Custom(i) => {
-                let hit = self.customs[i as usize].intersect(ray)?;
-                if nearest.is_none_or(|(j, nearest)| (hit.t, i) < (nearest.t, j)) {
-                    *nearest = Some((i, hit));
-                }
-                Some((hit.t, hit.uv))
-            }
-        }
     }
 }
 
-/// One primitive in a leaf of the tree.
-#[derive(Clone, Copy, Debug)]
-enum Leaf {
-    /// Places in the positions, copied here so that a leaf's triangles lie together.
-    Triangle([u32; 3]),
-    Sphere(u32),
-    Disk(u32),
-    Custom(u32),
+/// The most triangles in a leaf.
+const MOST_IN_LEAF: usize = 16;
+
+/// The nearest hit so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    t: f64,
+    primitive: u32,
+    uv: [f64; 2],
+}
+
+impl Nearest {
+    /// Takes the place of what is farther, and tells whether it did; of equal ones the smallest
+    /// number stays.
+    fn keep(self, nearest: &mut Option<Self>) -> bool {
+        let keep = nearest.is_none_or(|n| (self.t, self.primitive) < (n.t, n.primitive));
+        if keep {
+            *nearest = Some(self);
+        }
+        keep
+    }
 }
 
 /// Twice the area along the normal; zero exactly for a triangle without area.

@@ -6,7 +6,7 @@ mod common;
 use common::{Random, aimed_ray, brute, meshes};
 use rayon::prelude::*;
 use rutilant_geom::triangle::TriangleRay;
-use rutilant_geom::{BuildOptions, Ray, Surfaces, Vec3};
+use rutilant_geom::{BuildOptions, Ray, Simd, Surfaces, Vec3};
 
 /// Textbook formulas, every primitive in turn. A box left out wrongly, a wrong
 /// sign, a lost needle, a nearer hit replaced by a farther one: all show here.
@@ -31,10 +31,11 @@ fn hits_equal_the_textbook() {
 }
 
 /// The tree only leaves out what is missed: the answer is that of the triangle test
-/// alone, to the bit, ties included.
+/// alone, to the bit, ties included, with any instructions of the processor.
 #[test]
 fn the_tree_changes_no_bit() {
     for (name, scene) in meshes::hard_scenes() {
+        let levels = at_every_level(&scene);
         (0..20_000_u64).into_par_iter().for_each(|i| {
             let ray = aimed_ray(&scene, &mut Random(i << 20));
             let triangle_ray = TriangleRay::new(&ray);
@@ -52,6 +53,10 @@ fn the_tree_changes_no_bit() {
             let first = all.min_by(|a, b| a.partial_cmp(b).expect("no NaN leaves"));
             let got = scene.closest(&ray).map(|hit| (hit.t, hit.primitive));
             assert_eq!(got, first.map(|(t, i)| (t as f32, i)), "{name}: {ray:?}");
+            for other in &levels {
+                assert_eq!(other.closest(&ray), scene.closest(&ray), "{name}: {ray:?}");
+                assert_eq!(other.occluded(&ray), got.is_some(), "{name}: {ray:?}");
+            }
         });
     }
 }
@@ -61,16 +66,23 @@ fn the_tree_changes_no_bit() {
 #[test]
 fn closed_meshes_have_no_cracks() {
     for (name, mesh, middle, half) in meshes::closed_meshes() {
-        let scene = meshes::surfaces(mesh);
-        let leaks = (0..200_000_u64)
-            .into_par_iter()
-            .filter(|&i| {
-                let ray = meshes::ray_at_an_edge(&scene, middle, half, &mut Random(i << 20));
-                scene.closest(&ray).is_none()
-            })
-            .count();
-        assert_eq!(leaks, 0, "{name}");
+        for scene in at_every_level(&meshes::surfaces(mesh)) {
+            let leaks = (0..200_000_u64)
+                .into_par_iter()
+                .filter(|&i| {
+                    let ray = meshes::ray_at_an_edge(&scene, middle, half, &mut Random(i << 20));
+                    scene.closest(&ray).is_none()
+                })
+                .count();
+            assert_eq!(leaks, 0, "{name}");
+        }
     }
+}
+
+/// The same surfaces met with all instructions that this processor has.
+fn at_every_level(scene: &Surfaces) -> Vec<Surfaces> {
+    let levels = [Simd::Auto, Simd::Scalar, Simd::Sse4, Simd::Avx2];
+    levels.into_iter().filter_map(|simd| scene.clone().with_simd(simd)).collect()
 }
 
 /// A shadow ray is blocked exactly if the closest hit lies before its end. The old

@@ -37,7 +37,7 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { bins: 16, max_leaf: 8, traversal_cost: 1.0, intersection_cost: 1.0 }
+        Self { bins: 16, max_leaf: 4, traversal_cost: 1.0, intersection_cost: 1.0 }
     }
 }
 

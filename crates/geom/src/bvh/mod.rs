@@ -1,17 +1,21 @@
-//! A bounding volume hierarchy: a binary tree of boxes around primitives.
+//! A bounding volume hierarchy: a tree of boxes around primitives.
 //!
 //! The tree knows only boxes and numbers. Who owns the primitives gives their
-//! boxes to [`Bvh::build`], and meets them itself when [`Bvh::closest`] or
-//! [`Bvh::occluded`] come to a leaf. What a ray finds never depends on the
-//! shape of the tree: boxes are only left out where no hit can be.
+//! boxes to [`Bvh::build`], makes an eight-wide tree of the binary one, and
+//! meets the primitives itself when a ray comes to a leaf. What a ray finds
+//! never depends on the shape of the tree: boxes are only left out where no hit
+//! can be.
 
 mod build;
 mod node;
 mod traverse;
+mod wide;
 
 use crate::Aabb;
 pub use build::{BuildOptions, BuildReport, LeftOut};
 pub use node::{Content, Node, Siblings};
+pub(crate) use traverse::{Met, Order, traverse};
+pub(crate) use wide::{Inside, PACK, WideNode, report, widened};
 
 /// The deepest a leaf can lie below the root, for any input; see `build.rs`.
 pub const MAX_DEPTH: usize = 64;

@@ -13,7 +13,7 @@ pub use prepared::{PrepareReport, Prepared};
 
 use crate::scene::{Scene, SceneProblem};
 use assembly::Assembly;
-use rutilant_geom::BuildOptions;
+use rutilant_geom::{BuildOptions, Simd};
 
 impl Prepared {
     /// Makes a scene traceable.
@@ -32,5 +32,11 @@ impl Prepared {
     pub fn with_options(scene: &Scene, options: &BuildOptions) -> Result<Self, SceneProblem> {
         scene.validate()?;
         Ok(Assembly::default().finish(scene, options))
+    }
+
+    /// The same, its rays traced with other instructions of the processor: no picture changes by a
+    /// bit. `None` where the processor has none of these.
+    pub fn with_simd(self, simd: Simd) -> Option<Self> {
+        Some(Self { surfaces: self.surfaces.with_simd(simd)?, ..self })
     }
 }
