@@ -91,6 +91,20 @@ impl Lobe {
         }
     }
 
+    /// True for a lobe that [`sample`](Self::sample)s in one of several ways, by `choice`.
+    fn chooses(&self) -> bool {
+        match self {
+            Self::OrenNayar(_)
+            | Self::RoughConductor(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_) => true,
+            Self::Lambert(_) | Self::UniformLambert(_) | Self::Mirror(_) | Self::Conductor(_) => {
+                false
+            }
+        }
+    }
+
     /// BSDF value times cosine, `f(wo, wi) |cos θi|`, and the density with which
     /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Zero for delta lobes.
     #[inline]
@@ -149,6 +163,8 @@ pub struct Bsdf {
     spread: u8,
     /// Whether one of those scatters light through the surface.
     translucent: bool,
+    /// Whether sampling has a choice to make.
+    chooses: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,7 +187,8 @@ impl Bsdf {
     pub const MAX_LOBES: usize = 2;
 
     /// Absorbs everything.
-    pub const BLACK: Self = Self { lobes: [None; Self::MAX_LOBES], spread: 0, translucent: false };
+    pub const BLACK: Self =
+        Self { lobes: [None; Self::MAX_LOBES], spread: 0, translucent: false, chooses: false };
 
     /// Lobes with their weights; those that send nothing back are left out, as are those
     /// beyond [`MAX_LOBES`](Self::MAX_LOBES). Each is chosen in proportion to weight and albedo.
@@ -184,6 +201,7 @@ impl Bsdf {
         Self {
             spread: lobes().filter(|l| !l.is_delta()).count() as u8,
             translucent: lobes().any(Lobe::is_translucent),
+            chooses: lobes().count() > 1 || lobes().any(Lobe::chooses),
             lobes: kept.map(|kept| {
                 kept.map(|(weight, lobe)| WeightedLobe {
                     lobe,
@@ -222,6 +240,11 @@ impl Bsdf {
     /// True when light sampling can find nothing here: every lobe is a delta, or there is none.
     pub fn is_delta(&self) -> bool {
         self.spread == 0
+    }
+
+    /// True when what [`sample`](Self::sample) gives depends on `choice`.
+    pub(crate) fn chooses(&self) -> bool {
+        self.chooses
     }
 
     /// True when light sampling can find light beyond the surface.

@@ -1,5 +1,10 @@
 //! The decisions along a path, each with random numbers of its own.
 
+use crate::bsdf::{Bsdf, BsdfSample};
+use crate::light::EmitterSelection;
+use crate::sampler::Sampler;
+use rutilant_geom::{Vec2, Vec3};
+
 /// Where within the pixel's filter.
 pub(crate) const FILM: u32 = 0;
 /// Where on the lens.
@@ -15,7 +20,7 @@ impl Bounce {
     }
 
     /// Which of the BSDF's ways to scatter.
-    pub(crate) fn lobe(self) -> u32 {
+    fn lobe(self) -> u32 {
         self.0
     }
 
@@ -25,7 +30,7 @@ impl Bounce {
     }
 
     /// Which light.
-    pub(crate) fn light(self) -> u32 {
+    fn light(self) -> u32 {
         self.0.wrapping_add(2)
     }
 
@@ -37,5 +42,30 @@ impl Bounce {
     /// Whether the path goes on.
     pub(crate) fn roulette(self) -> u32 {
         self.0.wrapping_add(4)
+    }
+
+    /// Draws the direction that a BSDF scatters into, with only the random numbers that it needs.
+    #[inline]
+    pub(crate) fn scatter<S: Sampler>(
+        self,
+        bsdf: &Bsdf,
+        wo: Vec3,
+        sampler: &S,
+    ) -> Option<BsdfSample> {
+        let choice = if bsdf.chooses() { sampler.d1(self.lobe()) } else { 0.0 };
+        let u = if bsdf.is_delta() { Vec2::ZERO } else { sampler.d2(self.direction()) };
+        bsdf.sample(wo, choice, u)
+    }
+
+    /// Chooses a light for the point `from`: its number, and the probability of this choice.
+    #[inline]
+    pub(crate) fn select<S: Sampler>(
+        self,
+        selection: &EmitterSelection,
+        from: Vec3,
+        sampler: &S,
+    ) -> Option<(usize, f32)> {
+        let u = if selection.chooses() { sampler.d1(self.light()) } else { 0.0 };
+        selection.select(from, u)
     }
 }

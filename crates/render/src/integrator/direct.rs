@@ -44,7 +44,7 @@ impl Integrator for Direct {
         // Rough lobes: one light, anywhere on it, and for clear surfaces on either side.
         let translucent = bsdf.is_translucent();
         let from = if translucent { at.position } else { at.reflected_origin() };
-        if let Some((emitter, pmf)) = self.selection.select(from, sampler.d1(bounce.light()))
+        if let Some((emitter, pmf)) = bounce.select(&self.selection, from, sampler)
             && !bsdf.is_delta()
             && let Some(light) =
                 scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))
@@ -63,7 +63,7 @@ impl Integrator for Direct {
         }
 
         // Mirrors and glass: the light seen in them. So too where light samples cannot find it.
-        let sample = bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
+        let sample = bounce.scatter(bsdf, wo, sampler);
         if let Some(sample) = sample.filter(|s| s.delta || scene.light_beyond_sampling()) {
             let crossed = sample.is_transmission(wo);
             if crossed {

@@ -53,8 +53,7 @@ impl Integrator for Naive {
             }
 
             let (wo, bounce) = (met.at.wo_local(), Bounce::at(depth));
-            let (choice, u) = (sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()));
-            let Some(sample) = met.material.bsdf.sample(wo, choice, u) else { break };
+            let Some(sample) = bounce.scatter(&met.material.bsdf, wo, sampler) else { break };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
             if crossed {

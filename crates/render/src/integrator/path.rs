@@ -119,11 +119,7 @@ impl Path {
             }
 
             // Continue in a direction drawn from the BSDF.
-            let Some(sample) =
-                material.bsdf.sample(wo, sampler.d1(bounce.lobe()), sampler.d2(bounce.direction()))
-            else {
-                break;
-            };
+            let Some(sample) = bounce.scatter(&material.bsdf, wo, sampler) else { break };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
             ray = at.scattered_ray(&material.bsdf, &sample, crossed);
@@ -196,7 +192,7 @@ impl Path {
         // Light may arrive on either side of a clear surface: seen from the surface itself.
         let translucent = material.bsdf.is_translucent();
         let from = if translucent { at.position } else { at.reflected_origin() };
-        let Some((emitter, pmf)) = self.selection.select(from, sampler.d1(bounce.light())) else {
+        let Some((emitter, pmf)) = bounce.select(&self.selection, from, sampler) else {
             return Spectrum::BLACK;
         };
         let light_point = sampler.d2(bounce.light_point());

@@ -32,6 +32,7 @@ impl EmitterSelection {
         let uniform = Self::Uniform(emitters.len() as u32);
         match kind {
             LightSelection::Uniform => uniform,
+            LightSelection::Power if emitters.len() == 1 => uniform,
             LightSelection::Power => {
                 let power = |e: &Emitter| f64::from(e.power(scene_radius).luminance());
                 let finite: f64 = emitters.iter().filter(|e| !e.is_infinite()).map(power).sum();
@@ -44,6 +45,14 @@ impl EmitterSelection {
                 let weights: Vec<f64> = weights.collect();
                 Distribution1d::new(weights.into_iter()).map_or(uniform, Self::Weighted)
             }
+        }
+    }
+
+    /// False where there is no choice, and [`select`](Self::select) needs no random number.
+    pub fn chooses(&self) -> bool {
+        match self {
+            Self::None | Self::Uniform(1) => false,
+            Self::Uniform(_) | Self::Weighted(_) => true,
         }
     }
 

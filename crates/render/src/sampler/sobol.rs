@@ -18,25 +18,26 @@ use rutilant_geom::Vec2;
 #[derive(Clone, Copy, Debug)]
 pub struct Sobol {
     key: u64,
-    index: u32,
+    /// The sample's number, its lowest bit first.
+    reversed: u32,
 }
 
 impl Sampler for Sobol {
     fn new(seed: u64, pixel: [u32; 2], sample: u64) -> Self {
         let block = (sample >> 32).wrapping_mul(GOLDEN);
-        Self { key: mix(pixel_key(seed, pixel) ^ block), index: sample as u32 }
+        Self { key: mix(pixel_key(seed, pixel) ^ block), reversed: (sample as u32).reverse_bits() }
     }
 
     fn d1(&self, dimension: u32) -> f32 {
         let word = self.word(dimension, 1);
-        let index = shuffled(self.index, word as u32);
+        let index = self.shuffled(word as u32);
         unit(permuted(index, (word >> 32) as u32).reverse_bits())
     }
 
     fn d2(&self, dimension: u32) -> Vec2 {
         let word = self.word(dimension, 2);
         let scramble = mix(word);
-        let index = shuffled(self.index, word as u32);
+        let index = self.shuffled(word as u32);
         let x = permuted(index, scramble as u32);
         let y = permuted(second_dimension(index), (scramble >> 32) as u32);
         Vec2::new(unit(x.reverse_bits()), unit(y.reverse_bits()))
@@ -47,11 +48,12 @@ impl Sobol {
     fn word(&self, dimension: u32, width: u64) -> u64 {
         mix(self.key ^ (u64::from(dimension) << 2 | width).wrapping_mul(GOLDEN))
     }
-}
 
-/// Reorders the sequence so that every aligned run of 2^m samples stays one.
-fn shuffled(index: u32, seed: u32) -> u32 {
-    permuted(index.reverse_bits(), seed).reverse_bits()
+    /// The sample's number where the sequence is reordered so that every aligned run of 2^m
+    /// samples stays one.
+    fn shuffled(&self, seed: u32) -> u32 {
+        permuted(self.reversed, seed).reverse_bits()
+    }
 }
 
 /// An Owen scramble of a binary fraction that is stored lowest bit first: each bit flips
