@@ -6,10 +6,11 @@
 //!
 //! How much rounding can do: let u be 2⁻²⁴, e the longest edge along an axis, and D
 //! the way to the leaf's box and the extent of that together, so that no vertex is
-//! farther from the origin along any axis. A vertex, taken relative to the origin and sheared, is wrong by at most 6uD along
-//! each axis. If the triangle is met, its vertices lie within 2e of the ray, and an
-//! edge function is a difference of two products of such coordinates: it is wrong
-//! by at most 4 · 6uD · 2e + 2 (6uD)² + 2u (2e)² ≤ 64uD (e + 2uD).
+//! farther from the origin along any axis. A vertex, taken relative to the origin
+//! and sheared, is wrong by at most 6uD along each axis. If the triangle is met, its
+//! vertices lie within 2e of the ray, and an edge function is a difference of two
+//! products of such coordinates: it is wrong by at most
+//! 4 · 6uD · 2e + 2 (6uD)² + 2u (2e)², which for e ≤ D is less than 64uD (e + 2uD).
 
 use crate::bvh::PACK;
 use crate::{Aabb, Ray, Vec3};

@@ -26,7 +26,8 @@ pub struct BuildOptions {
     /// bins have seven planes between them, 21 over the three axes. Parts of few primitives are
     /// divided without bins.
     pub bins: u32,
-    /// The most primitives in a leaf, at least 1.
+    /// The most primitives in a leaf, at least 1. [`Surfaces`](crate::Surfaces) take up to sixteen
+    /// triangles together again where that is cheaper.
     pub max_leaf: u32,
     /// What it costs to look into a node's two children; only the ratio to the
     /// cost of a primitive counts.
