@@ -15,7 +15,34 @@ use rutilant::material::{
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{CustomHit, CustomRay, CustomShape, Object, Shape};
+use rutilant::{Prepared, Session};
 use std::sync::Arc;
+use std::time::Duration;
+
+/// Nonsense.
+#[derive(Debug)]
+struct Broken;
+
+impl CustomMaterial for Broken {
+    fn bsdf(&self, _: &SurfacePoint) -> Bsdf {
+        Lobe::Lambert(Lambert { albedo: Spectrum::splat(f32::NAN) }).into()
+    }
+}
+
+/// What a custom material gives that is no number is counted, and not taken for black.
+#[test]
+fn nonsense_is_counted() {
+    let camera = Perspective::look_at(Vec3::Z * 4.0, Vec3::ZERO, 0.2).expect("two points");
+    let mut scene = Scene::new(camera);
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    let broken = scene.add_material(Arc::new(Broken) as Arc<dyn CustomMaterial>);
+    scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, broken));
+    let prepared = Arc::new(Prepared::new(&scene).expect("a sound scene"));
+    let settings = Settings { size: [8, 8], spp: 4, ..Settings::default() };
+    let session = Session::start(prepared, settings, 1).expect("sound settings");
+    while !session.wait(Duration::from_secs(1)) {}
+    assert_eq!(session.progress().dropped.count, 8 * 8 * 4);
+}
 
 /// A ball of radius 1 by the quadratic formula.
 #[derive(Debug)]

@@ -56,6 +56,8 @@ pub(crate) struct Media {
     inside: [Inside; Self::MOST],
     /// How many of these there are.
     count: usize,
+    /// How many bodies dropped out of the list, for want of room, and were not left since.
+    dropped: u32,
     /// The materials without a priority that the ray went into by their fronts and has not left,
     /// the latest last, and what absorbed around them.
     around: [(u32, Spectrum); Self::MOST_DECLARED],
@@ -72,7 +74,8 @@ struct Inside {
 }
 
 impl Media {
-    /// So many media with a priority can overlap at one point; of more, the weakest are overlooked.
+    /// So many media with a priority can overlap at one point; of more, the weakest are overlooked:
+    /// their bodies are passed straight through on the way out as well, so that no light is made.
     pub(crate) const MOST: usize = 8;
 
     /// So many media without a priority can lie in each other; of more, the outermost are forgotten.
@@ -83,6 +86,7 @@ impl Media {
         absorption: Spectrum::BLACK,
         inside: [Inside { rank: 0, times: 0 }; Self::MOST],
         count: 0,
+        dropped: 0,
         around: [(0, Spectrum::BLACK); Self::MOST_DECLARED],
         declared: 0,
     };
@@ -142,7 +146,8 @@ impl Media {
         also: impl FnOnce(&mut Self),
         table: &[PreparedMedium],
     ) -> (Border, Self) {
-        if !from_front && !self.inside[..self.count].iter().any(|i| i.rank == rank) {
+        let known = self.inside[..self.count].iter().any(|i| i.rank == rank);
+        if !from_front && !known && self.dropped == 0 {
             self.enter(rank);
         }
         let mut beyond = *self;
@@ -182,17 +187,21 @@ impl Media {
             Some(known) if known.rank == rank => known.times = known.times.saturating_add(1),
             _ if at < Self::MOST => {
                 // Room is made; the weakest of too many drops out.
+                if self.count == Self::MOST {
+                    self.dropped = self.dropped.saturating_add(self.inside[self.count - 1].times);
+                }
                 self.count = (self.count + 1).min(Self::MOST);
                 self.inside.copy_within(at..self.count - 1, at + 1);
                 self.inside[at] = Inside { rank, times: 1 };
             }
-            _ => {}
+            _ => self.dropped = self.dropped.saturating_add(1),
         }
     }
 
     /// Notes one body less; one that was never entered changes nothing.
     fn leave(&mut self, rank: u32) {
         let Some(at) = self.inside[..self.count].iter().position(|i| i.rank == rank) else {
+            self.dropped = self.dropped.saturating_sub(1);
             return;
         };
         self.inside[at].times -= 1;

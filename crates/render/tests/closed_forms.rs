@@ -114,6 +114,21 @@ fn clear_glass_vanishes_in_the_furnace() {
     }
 }
 
+/// So does rough glass, however often light is thrown to and fro inside: what one bounce lost
+/// would be lost many times.
+#[test]
+fn rough_glass_vanishes_in_the_furnace() {
+    for (ior, roughness) in [(1.33, 1.0), (1.5, 0.3), (1.5, 0.6), (1.5, 1.0), (1.8, 1.0)] {
+        let mut scene = seen_from(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.35);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        let glass = scene.add_material(Dielectric { roughness, ..Dielectric::new(ior) });
+        scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, glass));
+        let (mean, error) = mean(&render(&scene, small(2048)), "G");
+        assert!((mean - 1.0).abs() < 4.0 * error + 2e-3, "{ior} {roughness}: {mean} ± {error}");
+        assert!(error < 3e-3, "{ior} {roughness}: {error}");
+    }
+}
+
 /// Even where vertex normals point anywhere, no light is lost in glass or in a mirror: the path
 /// always knows what it is in.
 #[test]

@@ -263,13 +263,14 @@ fn overlapping_clear_media_vanish_in_the_furnace() {
     let (overlapping, _) = mean(&render(&scene, small(256)), "G");
     assert!((overlapping - 1.0).abs() < 2e-3, "{overlapping}");
 
-    // Shells within shells, as many as a list holds, weaker and weaker or stronger and stronger.
-    for inwards in [false, true] {
+    // Shells within shells, as many as a list holds and more, weaker and weaker or stronger and
+    // stronger: those overlooked take no light and make none.
+    for (inwards, shells) in [(false, 8), (true, 8), (false, 12), (true, 12)] {
         scene.objects.clear();
-        for i in 0..8 {
-            let priority = if inwards { i } else { 8 - i };
+        for i in 0..shells {
+            let priority = if inwards { i } else { shells - i };
             let shell = scene.add_material(medium(1.2 + 0.05 * (i % 4) as f32, 0.0, priority));
-            let radius = 1.2 - 0.1 * i as f32;
+            let radius = 1.2 - 0.08 * i as f32;
             put(&mut scene, Shape::Sphere { radius }, shell, Vec3::ZERO);
         }
         let (shells, _) = mean(&render(&scene, small(64)), "G");

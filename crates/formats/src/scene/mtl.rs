@@ -130,6 +130,9 @@ const DEFAULT_IOR: f32 = 1.5;
 /// The largest index of refraction that a material takes.
 const LARGEST_IOR: f32 = 10.0;
 
+/// Glass with a larger index than this must be smooth.
+const LARGEST_ROUGH_IOR: f32 = 2.5;
+
 /// More distinct statements than this are counted together: a file of garbage has a note, not a book.
 const MOST_LEFT_OUT: usize = 16;
 
@@ -406,6 +409,14 @@ impl<'a> Parser<'a> {
         let mut dielectric = Dielectric::new(ior);
         if let Some(pr) = written.pr {
             dielectric.roughness = self.in_unit("Pr", pr, written.at, shown);
+        }
+        if dielectric.roughness > 0.0 && ior > LARGEST_ROUGH_IOR {
+            let what = format!(
+                "material {shown}: Pr is taken as 0, for glass with Ni above {LARGEST_ROUGH_IOR} \
+                 must be smooth"
+            );
+            self.note(written.at, &what);
+            dielectric.roughness = 0.0;
         }
         if let Some(tf) = written.tf {
             let color = self.clamped("Tf", tf, f32::MIN_POSITIVE, 1.0, written.at, shown);

@@ -167,6 +167,11 @@ const MISTAKES: &[(&str, &str)] = &[
         "11:13: roughness must be a number, not the text \"rough\"",
     ),
     (
+        "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nior = 3\nroughness = 0.3",
+        "12:13: roughness is 0.3, but where indices of refraction differ by a factor of 3 it must \
+         be 0: up to 2.5 glass may be rough",
+    ),
+    (
         "[[material]]\nname = \"a\"\ntype = \"dielectric\"\nroughness = 0.3\nfresnel = \"schlick\"",
         "12:11: fresnel \"schlick\" is for smooth glass; rough glass takes \"exact\"",
     ),

@@ -194,7 +194,12 @@ impl Bsdf {
     /// beyond [`MAX_LOBES`](Self::MAX_LOBES). Each is chosen in proportion to weight and albedo.
     pub fn sum(lobes: impl IntoIterator<Item = (f32, Lobe)>) -> Self {
         let importance = |weight: f32, lobe: &Lobe| weight * lobe.albedo().max_channel();
-        let mut kept = lobes.into_iter().filter(|(w, l)| importance(*w, l) > 0.0);
+        // What is no number stays, and is found in the picture.
+        let sends = |weight: f32, lobe: &Lobe| {
+            let importance = importance(weight, lobe);
+            importance > 0.0 || importance.is_nan()
+        };
+        let mut kept = lobes.into_iter().filter(|(weight, lobe)| sends(*weight, lobe));
         let kept: [_; Self::MAX_LOBES] = std::array::from_fn(|_| kept.next());
         let total: f32 = kept.iter().flatten().map(|(w, l)| importance(*w, l)).sum();
         let lobes = || kept.iter().flatten().map(|(_, lobe)| lobe);

@@ -54,6 +54,10 @@ pub enum Absorption {
 /// The highest index of refraction accepted; diamond has 2.42, germanium 4.
 pub(super) const MAX_IOR: f32 = 10.0;
 
+/// The most that indices may differ by at a rough border. Beyond it light that is trapped inside
+/// gets out so rarely that no number of samples finds it; diamond has 2.42.
+const MOST_ROUGH_RATIO: f32 = 2.5;
+
 impl Medium {
     /// Air, or nothing.
     pub const AIR: Self = Self { ior: 1.0, absorption: Absorption::None };
@@ -107,6 +111,18 @@ impl Dielectric {
         self.interior.validate(place, "ior", true)?;
         self.exterior.validate(place, "exterior_ior", false)?;
         place.check("roughness", [self.roughness], UNIT)?;
+        let (a, b) = (self.interior.ior, self.exterior.ior);
+        let ratio = (a / b).max(b / a);
+        if self.roughness > 0.0 && ratio > MOST_ROUGH_RATIO {
+            return Err(place.problem(
+                "roughness",
+                format!(
+                    "roughness is {}, but where indices of refraction differ by a factor of \
+                     {ratio} it must be 0: up to {MOST_ROUGH_RATIO} glass may be rough",
+                    self.roughness
+                ),
+            ));
+        }
         match self.fresnel {
             Fresnel::Schlick if self.roughness > 0.0 => Err(place.problem(
                 "fresnel",
