@@ -31,8 +31,8 @@ pub(crate) struct Reading {
 /// How much files may ask for.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Limited {
-    /// The most that is read: bytes (of a file), pixels (of an image), vertices, triangles,
-    /// objects or nesting, like pixels=500M; may be repeated
+    /// The most that is read: bytes (of a file), pixels (of an image), picture (pixels that the
+    /// scene asks for), vertices, triangles, objects or nesting, like pixels=500M; may be repeated
     #[arg(long = "limit", value_name = "NAME=N", help_heading = READING, value_parser = options::limit)]
     changes: Vec<(&'static str, u64)>,
 }

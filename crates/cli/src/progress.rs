@@ -219,6 +219,7 @@ mod tests {
             paths,
             rays: 0,
             dropped,
+            panicked: false,
         }
     }
 

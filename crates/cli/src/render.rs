@@ -13,7 +13,8 @@ use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant::settings::{Crop, Settings};
 use rutilant::{Prepared, Progress, Session};
-use rutilant_formats::image::check_writable;
+use rutilant_formats::LoadedScene;
+use rutilant_formats::image::{check_size, check_writable};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -43,7 +44,8 @@ pub(crate) struct Args {
     /// Samples per pixel
     #[arg(long, value_name = "N", help_heading = PICTURE, value_parser = options::count::<u64>, allow_hyphen_values = true)]
     spp: Option<u64>,
-    /// Stop after this time, like 60s, 5m or 1h30m; without --spp, take all samples it allows
+    /// Stop after this time, like 60s, 5m or 1h30m, but not before every pixel has a sample;
+    /// without --spp, take all samples it allows
     #[arg(long, value_name = "TIME", help_heading = PICTURE, value_parser = options::duration, allow_hyphen_values = true)]
     time: Option<Duration>,
     /// Width and height in pixels, like 800x600
@@ -170,6 +172,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let mut loaded = loaded?;
     let settings = settings(args, &loaded.settings);
     settings.validate()?;
+    check_outputs(&outputs, &settings, &loaded)?;
     if let Some(pixel) = args.focus_on {
         focus::ask(&mut loaded.scene, pixel, settings.size)?;
     }
@@ -211,6 +214,11 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         |path: &PathBuf| output::write(path, &rendered.image, &display, detail, metadata.clone());
     let (written, writing) =
         timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));
+    if written.iter().any(Result::is_err) {
+        for (output, _) in outputs.iter().zip(&written).filter(|(_, result)| result.is_ok()) {
+            tell(&format!("wrote {}", output.display()));
+        }
+    }
     let mut failures = written.into_iter().filter_map(Result::err).map(Failure::failed);
     if let Some(first) = failures.next() {
         failures.for_each(|failure| tell(&failure.line));
@@ -284,6 +292,23 @@ fn outputs(args: &Args) -> Result<Vec<PathBuf>, Failure> {
         check_writable(output)?;
     }
     Ok(outputs)
+}
+
+/// Refuses to render what could not be written, or would be written over what the scene is made of.
+fn check_outputs(
+    outputs: &[PathBuf],
+    settings: &Settings,
+    loaded: &LoadedScene,
+) -> Result<(), Failure> {
+    let Crop { width, height, .. } = settings.window();
+    for output in outputs {
+        check_size(output, width, height)?;
+        if output.canonicalize().is_ok_and(|output| loaded.files.contains(&output)) {
+            let what = format!("{} is a file that the scene reads", output.display());
+            return Err(Failure::usage(what));
+        }
+    }
+    Ok(())
 }
 
 /// The settings of the scene, and what the command line says instead.
@@ -375,9 +400,7 @@ fn render(
     let time = reporter.elapsed();
     reporter.finish();
     if progress.samples < settings.spp && !stopping {
-        return Err(Failure::failed(
-            "the rendering ended by itself; this is a bug in the renderer",
-        ));
+        return Err(Failure::failed("the rendering broke off; this is a bug in the renderer"));
     }
     Ok(Rendered { image: session.snapshot(), progress, time })
 }

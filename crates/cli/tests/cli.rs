@@ -952,3 +952,51 @@ fn bench_finds_the_right_hits() {
         assert!(ran.error.contains(bad), "{bad}: {}", ran.error);
     }
 }
+
+/// What a rendering or a comparison reads is never written over.
+#[test]
+fn inputs_are_not_written_over() {
+    let desk = Desk::new();
+    write_picture(&desk.path("sky.hdr"), [8, 4], |_, _| [0.5; 3]);
+    write_picture(&desk.path("a.exr"), [8, 4], |_, _| [0.5; 3]);
+    fs::write(
+        desk.path("sky.toml"),
+        "version = 1\n[camera]\nposition = [0, 0, 4]\nlook_at = [0, 0, 0]\n\
+         [environment]\nimage = \"sky.hdr\"\n",
+    )
+    .unwrap();
+    for (arguments, what) in [
+        ("sky.toml -o sky.hdr", "sky.hdr is a file that the scene reads"),
+        ("compare a.exr sky.hdr --diff a.exr", "a.exr is one of the pictures to compare"),
+        ("compare a.exr sky.hdr --diff sky.hdr", "sky.hdr is one of the pictures to compare"),
+    ] {
+        let before =
+            [fs::read(desk.path("sky.hdr")).unwrap(), fs::read(desk.path("a.exr")).unwrap()];
+        let ran = desk.run(arguments);
+        assert_eq!(ran.status, 2, "{arguments}: {}", ran.error);
+        assert!(ran.error.contains(what), "{arguments}: {}", ran.error);
+        let after =
+            [fs::read(desk.path("sky.hdr")).unwrap(), fs::read(desk.path("a.exr")).unwrap()];
+        assert!(before == after, "{arguments}");
+    }
+}
+
+/// What a format has no room for is told before rendering, and a scene's own size is limited.
+#[test]
+fn pictures_too_large_are_refused_at_once() {
+    let desk = Desk::new();
+    let ran = desk.run("room.toml --size 65536x1 --spp 1000000 -o a.png -o a.jpg");
+    assert_eq!(ran.status, 2, "{}", ran.error);
+    assert!(ran.error.contains("65536x1 is too large for a JPEG"), "{}", ran.error);
+    assert!(!desk.path("a.png").exists());
+
+    let room = fs::read_to_string(desk.path("room.toml")).unwrap();
+    let large = room.replace("size = [101, 97]", "size = [11585, 11585]");
+    fs::write(desk.path("large.toml"), large).unwrap();
+    let ran = desk.run("check large.toml");
+    assert_eq!(ran.status, 2, "{}", ran.error);
+    assert!(ran.error.contains("large.toml:5:8: "), "{}", ran.error);
+    assert!(ran.error.contains("--limit picture=N"), "{}", ran.error);
+    let ran = desk.run("large.toml --size 4x4 --spp 1 -o a.png --quiet");
+    assert_eq!(ran.status, 0, "{}", ran.error);
+}

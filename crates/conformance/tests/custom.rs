@@ -15,7 +15,7 @@ use rutilant::material::{
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{CustomHit, CustomRay, CustomShape, Object, Shape};
-use rutilant::{Prepared, Session};
+use rutilant::{Prepared, Progress, Session};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -29,19 +29,43 @@ impl CustomMaterial for Broken {
     }
 }
 
-/// What a custom material gives that is no number is counted, and not taken for black.
-#[test]
-fn nonsense_is_counted() {
+/// Panics.
+#[derive(Debug)]
+struct Panicking;
+
+impl CustomMaterial for Panicking {
+    fn bsdf(&self, _: &SurfacePoint) -> Bsdf {
+        panic!("on purpose");
+    }
+}
+
+/// A ball of this material before an even sky, rendered to its end.
+fn progress_of(material: Arc<dyn CustomMaterial>) -> Progress {
     let camera = Perspective::look_at(Vec3::Z * 4.0, Vec3::ZERO, 0.2).expect("two points");
     let mut scene = Scene::new(camera);
     scene.environment = Some(Environment::constant(Rgb::WHITE));
-    let broken = scene.add_material(Arc::new(Broken) as Arc<dyn CustomMaterial>);
-    scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, broken));
+    let material = scene.add_material(material);
+    scene.objects.push(Object::new(Shape::Sphere { radius: 1.0 }, material));
     let prepared = Arc::new(Prepared::new(&scene).expect("a sound scene"));
     let settings = Settings { size: [8, 8], spp: 4, ..Settings::default() };
-    let session = Session::start(prepared, settings, 1).expect("sound settings");
+    let session = Session::start(prepared, settings, 2).expect("sound settings");
     while !session.wait(Duration::from_secs(1)) {}
-    assert_eq!(session.progress().dropped.count, 8 * 8 * 4);
+    session.progress()
+}
+
+/// A panic in what strangers wrote ends the rendering, and is told.
+#[test]
+fn panics_are_told() {
+    let progress = progress_of(Arc::new(Panicking));
+    assert!(progress.panicked && progress.samples < 4, "{progress:?}");
+}
+
+/// What a custom material gives that is no number is counted, and not taken for black.
+#[test]
+fn nonsense_is_counted() {
+    let progress = progress_of(Arc::new(Broken));
+    assert!(!progress.panicked);
+    assert_eq!(progress.dropped.count, 8 * 8 * 4);
 }
 
 /// A ball of radius 1 by the quadratic formula.

@@ -14,6 +14,8 @@ pub struct Limits {
     pub triangles: u64,
     /// Pixels of any one image.
     pub pixels: u64,
+    /// Pixels of the picture that a scene asks for.
+    pub picture: u64,
     /// Objects in a scene: each time a shape, or a part of a mesh file, is placed.
     pub objects: u64,
     /// Levels of tables and arrays in each other in a scene's text.
@@ -22,8 +24,8 @@ pub struct Limits {
 
 impl Limits {
     /// The name of each limit, as errors and the command line say it.
-    pub const NAMES: [&'static str; 6] =
-        ["bytes", "vertices", "triangles", "pixels", "objects", "nesting"];
+    pub const NAMES: [&'static str; 7] =
+        ["bytes", "vertices", "triangles", "pixels", "picture", "objects", "nesting"];
 
     /// The limit of a name; `None` for a name that is not in [`NAMES`](Self::NAMES).
     pub fn by_name(&mut self, name: &str) -> Option<&mut u64> {
@@ -32,6 +34,7 @@ impl Limits {
             "vertices" => &mut self.vertices,
             "triangles" => &mut self.triangles,
             "pixels" => &mut self.pixels,
+            "picture" => &mut self.picture,
             "objects" => &mut self.objects,
             "nesting" => &mut self.nesting,
             _ => return None,
@@ -57,6 +60,7 @@ impl Default for Limits {
             vertices: 400_000_000,
             triangles: 400_000_000,
             pixels: 1 << 28,
+            picture: 1 << 24,
             objects: 10_000_000,
             nesting: 64,
         }

@@ -40,6 +40,9 @@ pub struct Progress {
     pub rays: u64,
     /// Samples that were no numbers.
     pub dropped: Dropped,
+    /// True when it ended because something panicked: a custom shape or material. The picture so
+    /// far is whole.
+    pub panicked: bool,
 }
 
 #[derive(Debug)]
@@ -64,6 +67,7 @@ struct State {
     /// Set when no further pass shall begin.
     ending: bool,
     running: bool,
+    panicked: bool,
 }
 
 impl Session {
@@ -84,6 +88,7 @@ impl Session {
                 pass: 0,
                 ending: false,
                 running: false,
+                panicked: false,
             }),
             threads: threads.max(1),
             counters: Counters::default(),
@@ -99,9 +104,9 @@ impl Session {
 
     /// How far it has come.
     pub fn progress(&self) -> Progress {
-        let (target, pass, finished) = {
+        let (target, pass, finished, panicked) = {
             let state = self.shared.state();
-            (state.target, state.pass, !state.running)
+            (state.target, state.pass, !state.running, state.panicked)
         };
         let (paths, rays) = self.shared.counters.so_far();
         Progress {
@@ -112,6 +117,7 @@ impl Session {
             paths,
             rays,
             dropped: self.shared.film.dropped(),
+            panicked,
         }
     }
 
@@ -164,7 +170,7 @@ impl Session {
         self.shared.stop.store(false, Ordering::Relaxed);
         {
             let mut state = self.shared.state();
-            (state.ending, state.running) = (false, true);
+            (state.ending, state.running, state.panicked) = (false, true, false);
         }
         let shared = Arc::clone(&self.shared);
         self.worker = Some(std::thread::spawn(move || {
@@ -177,7 +183,7 @@ impl Session {
 
     fn join(&mut self) {
         if let Some(worker) = self.worker.take() {
-            // A panic in there is a bug of ours; it has been printed, and the picture so far is whole.
+            // A panic in there has been printed, and is told by `progress`.
             drop(worker.join());
         }
     }
@@ -225,7 +231,9 @@ struct Running<'a>(&'a Shared);
 
 impl Drop for Running<'_> {
     fn drop(&mut self) {
-        self.0.state().running = false;
+        let mut state = self.0.state();
+        (state.running, state.panicked) = (false, std::thread::panicking());
+        drop(state);
         self.0.changed.notify_all();
     }
 }

@@ -16,7 +16,7 @@
 //! 2021. Written from the papers; agreement with the authors' program is tested
 //! below.
 
-use super::Pixels;
+use super::pixels::Pixels;
 use super::plane::{Plane, taps};
 use rayon::prelude::*;
 use std::f32::consts::PI;

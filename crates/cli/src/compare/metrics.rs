@@ -2,7 +2,7 @@
 //!
 //! These judge light, not eyes: see `flip.rs` for what a viewer would notice.
 
-use super::Pixels;
+use super::pixels::Pixels;
 use serde::Serialize;
 
 /// What relMSE adds to the squared reference, so that black pixels do not

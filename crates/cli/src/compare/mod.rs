@@ -3,6 +3,7 @@
 mod false_color;
 mod flip;
 mod metrics;
+mod pixels;
 mod plane;
 mod ssim;
 #[cfg(test)]
@@ -15,7 +16,7 @@ use crate::output::{self, Detail};
 use crate::say::{print_json, print_line, tell};
 use crate::text::several;
 use metrics::Errors;
-use rayon::prelude::*;
+use pixels::Pixels;
 use rutilant::display::{Curve, Display, linear_from_srgb};
 use rutilant::image::Image;
 use rutilant_formats::image;
@@ -54,22 +55,6 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// A picture as rows of colours, row 0 on top; at least one pixel.
-#[derive(Clone, Debug)]
-pub(crate) struct Pixels {
-    /// Pixels in a row.
-    width: usize,
-    /// (height, width) colours.
-    values: Vec<[f32; 3]>,
-}
-
-impl Pixels {
-    /// Every pixel by itself.
-    fn map(&self, f: impl Fn([f32; 3]) -> [f32; 3] + Sync) -> Self {
-        Self { width: self.width, values: self.values.par_iter().map(|rgb| f(*rgb)).collect() }
-    }
-}
-
 /// All that is said about two pictures.
 #[derive(Serialize)]
 struct Comparison<'a> {
@@ -90,6 +75,14 @@ struct Comparison<'a> {
 
 pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(diff) = &args.diff {
+        let same = |path: &PathBuf| match (path.canonicalize(), diff.canonicalize()) {
+            (Ok(path), Ok(diff)) => path == diff,
+            _ => false,
+        };
+        if same(&args.image) || same(&args.reference) {
+            let what = format!("{} is one of the pictures to compare", diff.display());
+            return Err(Failure::usage(what));
+        }
         image::check_writable(diff)?;
     }
     let limits = args.limited.limits();

@@ -11,7 +11,7 @@
 //! Source: Wang, Bovik, Sheikh, Simoncelli, "Image Quality Assessment: From
 //! Error Visibility to Structural Similarity", IEEE TIP 13(4), 2004.
 
-use super::Pixels;
+use super::pixels::Pixels;
 use super::plane::{Plane, taps};
 
 /// The similarity at each pixel of two pictures of one size, of what a display shows

@@ -1,6 +1,6 @@
 //! Pictures by formula, the same in any language: for tests against other programs.
 
-use super::Pixels;
+use super::pixels::Pixels;
 
 fn picture((width, height): (usize, usize), f: impl Fn(usize, usize) -> [f32; 3]) -> Pixels {
     let values = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

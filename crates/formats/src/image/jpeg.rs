@@ -52,11 +52,17 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
         .ok_or_else(|| "the decoder gave another size than the header".to_owned())
 }
 
-pub(super) fn write(width: u32, height: u32, rgb8: &[u8]) -> Result<Vec<u8>, String> {
+/// Refuses sizes that the format has no room for.
+pub(super) fn check_size(width: u32, height: u32) -> Result<(), String> {
     let most = u32::from(u16::MAX);
     if width > most || height > most {
         return Err(format!("{width}x{height} is too large for a JPEG, which ends at {most}"));
     }
+    Ok(())
+}
+
+pub(super) fn write(width: u32, height: u32, rgb8: &[u8]) -> Result<Vec<u8>, String> {
+    check_size(width, height)?;
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, QUALITY)
         .encode(rgb8, width, height, ExtendedColorType::Rgb8)

@@ -146,6 +146,17 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     Ok(())
 }
 
+/// Whether a picture of this size has room in the format of `path`.
+///
+/// # Errors
+/// Where it has none, or the format is not known.
+pub fn check_size(path: &Path, width: u32, height: u32) -> Result<(), ImageError> {
+    match Format::from_path(path)? {
+        Format::Jpeg => jpeg::check_size(width, height).map_err(|what| ImageError::new(path, what)),
+        Format::Exr | Format::Hdr | Format::Pfm | Format::Png => Ok(()),
+    }
+}
+
 /// Runs a decoder or an encoder, and makes an error of a panic.
 ///
 /// Our own do not panic, and the libraries below them hardly do: in millions of

@@ -59,6 +59,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         settings,
         display: Default::default(),
         notes,
+        files: Vec::new(),
         lines: Default::default(),
     })
 }

@@ -4,7 +4,7 @@ use rutilant::display::Display;
 use rutilant::scene::{Note, Place, Scene};
 use rutilant::settings::Settings;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A scene as its file describes it: what there is, how to render it, how to look at it.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub struct LoadedScene {
     /// What a person should know: what was missing, and what stands in for it. One line each,
     /// which begins with the file, and with the place in it where one is meant.
     pub notes: Vec<String>,
+    /// The files beside its own that the scene is made of, symbolic links followed.
+    pub files: Vec<PathBuf>,
     /// The line of the scene's own file that each of its parts comes from, where that is known.
     pub lines: HashMap<Place, u32>,
 }

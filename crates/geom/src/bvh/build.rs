@@ -15,8 +15,9 @@
 //! Source: Wald, "On fast Construction of SAH-based Bounding Volume
 //! Hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007.
 
+use super::binary::{Bvh, MAX_DEPTH};
+use super::built::{BuildReport, LeftOut};
 use super::node::{Node, Siblings};
-use super::{Bvh, MAX_DEPTH};
 use crate::{Aabb, Vec3};
 
 /// How a tree is built.
@@ -40,37 +41,6 @@ impl Default for BuildOptions {
     fn default() -> Self {
         Self { bins: 16, max_leaf: 4, traversal_cost: 1.0, intersection_cost: 1.0 }
     }
-}
-
-/// What was built.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BuildReport {
-    /// Primitives in the tree.
-    pub primitives: usize,
-    /// Primitives that are not in the tree, because their box is empty, NaN or infinite.
-    pub left_out: LeftOut,
-    /// Nodes, root and leaves included.
-    pub nodes: usize,
-    /// Leaves.
-    pub leaves: usize,
-    /// Steps from the root to the deepest leaf; zero for a single leaf and for none.
-    pub depth: usize,
-    /// Primitives in the fullest leaf.
-    pub largest_leaf: usize,
-    /// The expected cost of a ray that meets the root's box, by the surface area
-    /// heuristic; zero if that box has no area.
-    pub sah_cost: f64,
-    /// Memory of the tree, in bytes.
-    pub bytes: usize,
-}
-
-/// Primitives that could not be used.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LeftOut {
-    /// How many.
-    pub count: usize,
-    /// The number of the first of them.
-    pub first: Option<u32>,
 }
 
 impl Bvh {

@@ -8,7 +8,7 @@
 //! Source: Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with a little more
 //! slack than its 2γ(3), for the last culling by a distance that was rounded.
 
-use super::MAX_DEPTH;
+use super::binary::MAX_DEPTH;
 use super::wide::{Inside, WIDTH, WideNode};
 use crate::Ray;
 use arrayvec::ArrayVec;

@@ -10,7 +10,9 @@
 //! Interactive Ray Tracing, 2008; Ylitie, Karras, Laine, "Efficient Incoherent
 //! Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017.
 
-use super::{BuildReport, Bvh, Content, Node};
+use super::binary::Bvh;
+use super::built::BuildReport;
+use super::node::{Content, Node};
 use crate::{Aabb, Vec3};
 use arrayvec::ArrayVec;
 use std::ops::Range;

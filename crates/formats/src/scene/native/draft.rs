@@ -31,6 +31,8 @@ pub(super) struct Draft<'d> {
     grey: Option<MaterialId>,
     /// Where files are looked for.
     pub(super) files: Files<'d>,
+    /// Those that were read.
+    pub(super) read: Vec<PathBuf>,
     /// What may be read in all.
     limits: Limits,
     /// What may still be read.
@@ -57,6 +59,7 @@ impl<'d> Draft<'d> {
             mesh_files: HashMap::new(),
             grey: None,
             files: Files::beside(file, options),
+            read: Vec::new(),
             limits: options.limits,
             left: options.limits,
         }

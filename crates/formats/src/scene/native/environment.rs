@@ -43,12 +43,16 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
     Ok(())
 }
 
-fn read_image(value: &Value<'_>, draft: &Draft<'_>) -> Result<rutilant::image::Image, SceneError> {
+fn read_image(
+    value: &Value<'_>,
+    draft: &mut Draft<'_>,
+) -> Result<rutilant::image::Image, SceneError> {
     let name = value.text()?;
     let image = match draft.files.embedded(name) {
         Some(bytes) => image::read_bytes(bytes, Path::new(name), &draft.left),
         None => {
             let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
+            draft.read.push(found.identity);
             image::read(&found.path, &draft.left)
         }
     };

@@ -84,6 +84,11 @@ fn parse_here(
     let render = root.maybe("render", |v| v.table("[render]"))?;
     let (settings, display) =
         render.as_ref().map_or_else(|| Ok(Default::default()), render::read)?;
+    if let Some(table) = &render
+        && options.size.is_none()
+    {
+        render::check_size(table, settings.size, options.limits.picture)?;
+    }
     draft.places.extend(render.map(|table| (Place::Settings, table)));
     settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
     let camera = root.maybe("camera", |v| v.table("[camera]"))?;
@@ -116,7 +121,8 @@ fn parse_here(
     // Whether all of it makes sense.
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
     let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
-    Ok(LoadedScene { scene: draft.scene, settings, display, notes: draft.notes, lines })
+    let Draft { scene, notes, read: files, .. } = draft;
+    Ok(LoadedScene { scene, settings, display, notes, files, lines })
 }
 
 /// The version of the format that is read here.

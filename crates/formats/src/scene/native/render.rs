@@ -2,7 +2,7 @@
 
 use super::keys;
 use super::table::{Table, Value};
-use crate::error::SceneError;
+use crate::error::{SceneError, SceneErrorKind};
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::settings::{
@@ -46,6 +46,18 @@ const FILTERS: &[(&str, Filter)] = &[
     ("mitchell", Filter::Mitchell { radius: 2.0, b: 1.0 / 3.0, c: 1.0 / 3.0 }),
     ("blackman-harris", Filter::BlackmanHarris { radius: 1.5 }),
 ];
+
+/// A scene may not ask for more than `allowed` pixels.
+pub(super) fn check_size(
+    table: &Table<'_>,
+    [width, height]: [u32; 2],
+    allowed: u64,
+) -> Result<(), SceneError> {
+    let asked = u64::from(width) * u64::from(height);
+    let kind = || SceneErrorKind::Limit { what: "pixels of the picture", asked, allowed };
+    table.maybe("size", |v| if asked > allowed { Err(v.error(kind())) } else { Ok(()) })?;
+    Ok(())
+}
 
 pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError> {
     table.only(&[keys::RENDER])?;

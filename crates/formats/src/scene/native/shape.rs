@@ -173,6 +173,7 @@ fn from_file<'d>(
     }
     let file =
         mesh_file::read(&found.path, &draft.left, &draft.files.fence, |kind| value.error(kind))?;
+    draft.read.push(key.0.clone());
     let read = Rc::new(take_in(file, crease, value, table, draft)?);
     draft.mesh_files.insert(key, Rc::clone(&read));
     Ok(read)
