@@ -64,7 +64,7 @@ Examples:
   rutilant                                  the built-in glass cube, into glass-cube.png
   rutilant kitchen.toml                     render a scene into kitchen.png
   rutilant kitchen.toml -o a.exr -o a.png   full radiance for editing, and a picture to look at
-  rutilant kitchen.toml --time 60s          as many samples as a minute allows
+  rutilant kitchen.toml --time 60s          as many samples as a minute allows, one pass at least
   rutilant dragon.ply --size 1920x1080      a bare mesh, under an even sky
   rutilant check kitchen.toml               is the scene all right?
   rutilant compare a.exr reference.exr      how far is it from the truth?

@@ -148,6 +148,11 @@ const VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 /// An OBJ file after [`VERTICES`], and what is said about it.
 const OBJ: &[(&str, &str)] = &[
     ("", ": there is nothing to see: there are no faces"),
+    (
+        "v 1e38 0 0\nf 1 2 4\n",
+        ": it is too large: a camera that sees all of it would be farther away than single \
+         precision reaches",
+    ),
     ("f 1 2 4\n", ":4:7: face names vertex 4, but only 3 are declared so far"),
     ("f 0 1 2\n", ":4:3: face names vertex 0, but they are numbered from 1 (or from -1 backwards)"),
     ("f -4 1 2\n", ":4:3: face names vertex -4, but only 3 are declared so far"),

@@ -118,6 +118,12 @@ impl fmt::Display for SceneErrorKind {
             }
             Self::Limit { what, asked, allowed } => {
                 let hint = Limits::hint(what);
+                let what = match (asked, *what) {
+                    (1, "levels of nesting") => "level of nesting",
+                    (1, "vertices") => "vertex",
+                    (1, many) => many.strip_suffix('s').unwrap_or(many),
+                    (_, many) => many,
+                };
                 write!(f, "{asked} {what}, but at most {allowed} are allowed{hint}")
             }
             Self::Io(error) => write!(f, "{error}"),
@@ -126,3 +132,25 @@ impl fmt::Display for SceneErrorKind {
 }
 
 impl std::error::Error for SceneErrorKind {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One is not written as many.
+    #[test]
+    fn one_is_singular() {
+        for (what, one) in [
+            ("levels of nesting", "1 level of nesting"),
+            ("objects", "1 object"),
+            ("vertices", "1 vertex"),
+            ("triangles", "1 triangle"),
+            ("pixels", "1 pixel"),
+            ("bytes", "1 byte"),
+        ] {
+            let said = |asked| SceneErrorKind::Limit { what, asked, allowed: 0 }.to_string();
+            assert!(said(1).starts_with(&format!("{one}, but at most 0")), "{}", said(1));
+            assert!(said(2).starts_with(&format!("2 {what}, but at most 0")), "{}", said(2));
+        }
+    }
+}

@@ -70,7 +70,7 @@ fn limits_hold_to_the_last_one() {
         (
             "triangles",
             3,
-            format!("triangle.ply:7:1: 1 triangles, but at most 0 are allowed{allow} triangles=N"),
+            format!("triangle.ply:7:1: 1 triangle, but at most 0 are allowed{allow} triangles=N"),
         ),
         (
             "pixels",

@@ -437,7 +437,8 @@ fn changes_to_materials_are_noted() {
     // Nothing is fully black inside: its absorption would be infinite.
     let (materials, notes) = mtl("newmtl m\nd 0\nTf 0 .5 2\n");
     assert_eq!(materials[0].kind, glass(1.5, Some([f32::MIN_POSITIVE, 0.5, 1.0])));
-    assert_eq!(notes.len(), 1);
+    let said = "Tf 0 0.5 2 is brought into the range 1.1754944e-38 to 1";
+    assert_eq!(notes, [format!("a.mtl:1: material \"m\": {said}")]);
 }
 
 /// Errors in an MTL file name that file.
@@ -493,6 +494,17 @@ fn material_files_are_found() {
         scene.notes,
         ["a.obj: no MTL file \"none.mtl\" in its folder: its materials are missing"]
     );
+    for name in ["../../etc/passwd", "/etc/passwd", "below/../../none.mtl", "none.mtl ../x.mtl"] {
+        let scene = read_with(&format!("mtllib {name}\n{FACE}"), &[c]).expect("a note");
+        let said = format!(
+            "a.obj: MTL file \"{name}\" leads out of the folder; move the file beside the scene, \
+             or allow this with --allow-path: its materials are missing"
+        );
+        assert_eq!(scene.notes, [said]);
+    }
+    let scene = read_with(&format!("mtllib below/\n{FACE}"), &[c]).expect("a note");
+    let said = "a.obj: MTL file \"below/\" is a folder, not a file: its materials are missing";
+    assert_eq!(scene.notes, [said]);
     let unknown = format!("mtllib b.mtl\nusemtl x\n{FACE}usemtl b\nusemtl y\n");
     let scene = read_with(&unknown, &[b]).expect("a note, not an error");
     assert_eq!(scene.notes, ["a.obj: materials that are in no MTL file: 2 (first \"x\")"]);

@@ -414,7 +414,7 @@ fn lying_counts_take_no_memory() {
     let error = ply::read_bytes(&ascii_triangle(), Path::new("a.ply"), &tight).expect_err("tight");
     assert_eq!(
         error.to_string(),
-        "a.ply:7:1: 1 triangles, but at most 0 are allowed; allow more with --limit triangles=N"
+        "a.ply:7:1: 1 triangle, but at most 0 are allowed; allow more with --limit triangles=N"
     );
 }
 

@@ -89,6 +89,7 @@ impl Place {
         let [v, from, to] = [wrong, least, most].map(number);
         let must = match (least == f32::MIN_POSITIVE, most == f32::MAX) {
             _ if !wrong.is_finite() => "be a finite number".to_owned(),
+            (true, _) if wrong > 0.0 && wrong < least => format!("be at least {from}"),
             (true, true) => "be more than 0".to_owned(),
             (true, false) => format!("be more than 0, up to {to}"),
             (false, true) => format!("be {from} or more"),

@@ -1,7 +1,7 @@
 //! A mesh file on its own, made a scene: grey where it has no material, under an even sky.
 
 use super::files::Fence;
-use super::framing::frame_all;
+use super::framing::{bounds_of_all, frame_all};
 use super::loaded::LoadedScene;
 use super::mesh_file;
 use crate::error::SceneError;
@@ -44,8 +44,14 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     scene.environment = Some(Environment::constant(Rgb::WHITE));
     scene.camera = frame_all(&scene, options.size.unwrap_or(settings.size))
         .ok_or_else(|| {
-            let why = if no_faces { "there are no faces" } else { "no vertex is a finite point" };
-            SceneError::invalid_file(path, format!("there is nothing to see: {why}"))
+            let why = if no_faces {
+                "there is nothing to see: there are no faces"
+            } else if bounds_of_all(&scene).is_empty() {
+                "there is nothing to see: no vertex is a finite point"
+            } else {
+                TOO_LARGE
+            };
+            SceneError::invalid_file(path, why)
         })?
         .into();
     notes.push(note(
@@ -63,6 +69,10 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         lines: Default::default(),
     })
 }
+
+/// Said of what no camera can see as a whole.
+pub(super) const TOO_LARGE: &str = "it is too large: a camera that sees all of it would be farther away than single precision \
+     reaches";
 
 /// A matte grey that shows form: neither white nor dark.
 pub(super) fn grey() -> Material {

@@ -95,7 +95,7 @@ impl<'o> Files<'o> {
 }
 
 /// How to read a file elsewhere all the same.
-const HINT: &str = "move the file beside the scene, or allow this with --allow-path";
+pub(super) const HINT: &str = "move the file beside the scene, or allow this with --allow-path";
 
 /// Whether a path names something above its start, or starts at a root.
 fn leaves(path: &Path) -> bool {

@@ -13,7 +13,8 @@ const FOV_DEGREES: f32 = 35.0;
 /// Air around the bounds.
 const MARGIN: f32 = 1.05;
 
-/// A camera that sees all objects in a picture of `size` pixels. `None` if there is nothing to see.
+/// A camera that sees all objects in a picture of `size` pixels. `None` if there is nothing to see, or
+/// if it is too large for single precision.
 pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Perspective> {
     let bounds = bounds_of_all(scene);
     if bounds.is_empty() {
@@ -33,7 +34,7 @@ pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Perspective> {
 }
 
 /// The box around all objects in the world.
-fn bounds_of_all(scene: &Scene) -> Aabb {
+pub(super) fn bounds_of_all(scene: &Scene) -> Aabb {
     let meshes: Vec<_> = scene.meshes.iter().map(|m| bounds_of(&m.positions)).collect();
     scene.objects.iter().fold(Aabb::EMPTY, |all, object| {
         let centered = |half: Vec3| Aabb { min: -half, max: half };

@@ -83,11 +83,12 @@ pub(super) fn without_material(
     }
     let undeclared = bare.clone().find_map(|(_, name)| name.as_ref());
     let count: usize = bare.map(|(mesh, _)| mesh.triangles.len()).sum();
+    let have = if count == 1 { "triangle has" } else { "triangles have" };
     Some(match undeclared {
         Some(name) => {
             let name = shown(name);
-            format!("{count} triangles have no material (\"{name}\" is named but not declared)")
+            format!("{count} {have} no material (\"{name}\" is named but not declared)")
         }
-        None => format!("{count} triangles have no material"),
+        None => format!("{count} {have} no material"),
     })
 }

@@ -452,9 +452,11 @@ impl<'a> Parser<'a> {
         if clamped != color {
             let [r, g, b] = color;
             // With an exponent where there would be nothing but zeros.
-            let most = if most < 1e7 { most.to_string() } else { format!("{most:e}") };
+            let plain = |v: f32| v == 0.0 || (1e-5..1e7).contains(&v);
+            let [least, most] =
+                [least, most].map(|v| if plain(v) { v.to_string() } else { format!("{v:e}") });
             let what = format!(
-                "material {shown}: {keyword} {r} {g} {b} is brought into the range 0 to {most}"
+                "material {shown}: {keyword} {r} {g} {b} is brought into the range {least} to {most}"
             );
             self.note(at, &what);
         }

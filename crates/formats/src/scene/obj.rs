@@ -12,7 +12,7 @@
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, Appendix B1, 1992.
 
-use super::files::Fence;
+use super::files::{Fence, HINT};
 use super::mtl;
 use super::polygon::Triangulator;
 use super::text::{Cursor, place, word_at};
@@ -523,8 +523,13 @@ impl Parsed<'_> {
         match words.map(|word| find_library(folder, word, fence)).collect::<Option<Vec<_>>>() {
             Some(paths) => found.extend(paths),
             None => {
+                let mut names = std::iter::once(name).chain(name.split_ascii_whitespace());
+                let why = names.find_map(|name| why_no_library(folder, name, fence));
                 let name = quoted(name.as_bytes());
-                self.note(&format!("no MTL file {name} in its folder: its materials are missing"));
+                self.note(&match why {
+                    Some(why) => format!("MTL file {name} {why}: its materials are missing"),
+                    None => format!("no MTL file {name} in its folder: its materials are missing"),
+                });
             }
         }
     }
@@ -709,11 +714,8 @@ impl Welder {
 /// elsewhere, which often are paths of the machine that wrote the file, are looked for by their
 /// last part.
 fn find_library(folder: &Path, name: &str, fence: &Fence) -> Option<PathBuf> {
-    let name = name.trim_matches('"').replace('\\', "/");
+    let name = with_slashes(name);
     let last = name.rsplit('/').next().unwrap_or_default();
-    let starts_at_root = |path: &Path| {
-        path.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir))
-    };
     [&*name, last].into_iter().map(Path::new).find_map(|name| {
         // Elsewhere's paths start at a root, and asking after one could wake another machine.
         let may_be_inside = fence.is_open() || !starts_at_root(name);
@@ -721,4 +723,47 @@ fn find_library(folder: &Path, name: &str, fence: &Fence) -> Option<PathBuf> {
         let is_inside = || path.canonicalize().is_ok_and(|resolved| fence.holds(&resolved));
         (may_be_inside && path.is_file() && is_inside()).then_some(path)
     })
+}
+
+/// Why the MTL file of one name was not found, unless there is just none.
+fn why_no_library(folder: &Path, name: &str, fence: &Fence) -> Option<String> {
+    let name = with_slashes(name);
+    if find_library(folder, &name, fence).is_some() {
+        return None;
+    }
+    let name = Path::new(&name);
+    if !fence.is_open() && (starts_at_root(name) || !fence.holds(&climbed(folder, name)?)) {
+        return Some(format!("leads out of the folder; {HINT}"));
+    }
+    let path = folder.join(name);
+    if !fence.holds(&path.canonicalize().ok()?) {
+        return Some(format!("leads out of the folder through a symbolic link; {HINT}"));
+    }
+    let what = file::not_regular(&path.metadata().ok()?)?;
+    Some(format!("is {what}, not a file"))
+}
+
+/// Where a name leads from a folder, by its words alone: nothing is looked at outside.
+fn climbed(folder: &Path, name: &Path) -> Option<PathBuf> {
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut path = here.canonicalize().ok()?;
+    for part in name.components() {
+        match part {
+            Component::ParentDir => {
+                path.pop();
+            }
+            Component::Normal(part) => path.push(part),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+    }
+    Some(path)
+}
+
+/// A name as it stands in an MTL statement, with the slashes of all systems.
+fn with_slashes(name: &str) -> String {
+    name.trim_matches('"').replace('\\', "/")
+}
+
+fn starts_at_root(path: &Path) -> bool {
+    path.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir))
 }

@@ -301,6 +301,19 @@ const MISTAKES: &[(&str, &str)] = &[
         "[[shape]]\ntype = \"sphere\"\nradius = 0\nmaterial = \"grey\"",
         "10:10: radius is 0, but must be more than 0",
     ),
+    // What the number becomes is not what is written.
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 1e-46\nmaterial = \"grey\"",
+        "10:10: radius is 0, but must be more than 0 (1e-46 is 0 in single precision)",
+    ),
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 1e-400\nmaterial = \"grey\"",
+        "10:10: radius is 0, but must be more than 0 (1e-400 is 0 in single precision)",
+    ),
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 1e-40\nmaterial = \"grey\"",
+        "10:10: radius is 1e-40, but must be at least 1.1754944e-38",
+    ),
     (
         "[[shape]]\ntype = \"sphere\"\nradius = 1\nscale = [1, 2, 1]\nmaterial = \"grey\"",
         "11:9: a sphere needs the same scale in all directions; use a mesh for an ellipsoid",
@@ -469,6 +482,16 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
     ("version = 2\nwhatever = 5", "1:11: version 2 of the scene format is not known; 1 is"),
     ("version = \"1\"", r#"1:11: version must be a whole number, 0 or more, not the text "1""#),
     ("version = 1", "1:1: there is no [camera], and no shape that one could be turned to"),
+    (
+        "version = 1\n[[material]]\nname = \"a\"\ntype = \"black\"\n[[shape]]\ntype = \"sphere\"\nmaterial = \"a\"\nradius = 3e38",
+        "1:1: there is no [camera], and what is there cannot have one: it is too large: a camera \
+         that sees all of it would be farther away than single precision reaches",
+    ),
+    (
+        "version = 1\r[render]\rspp = 1\r",
+        "1:13: carriage return must be followed by newline, expected newline; the line ends are CR \
+         alone: save the file with LF or CR LF",
+    ),
     ("version = 1\n[camera]\nlook_at = [0, 0, 0]", r#"2:1: [camera] needs "position""#),
     (
         "version = 1\n[camera]\nposition = [0, 0, 0]\nlook_at = [0, 0, 0]",
@@ -481,6 +504,19 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfov_degrees = 180",
         "5:15: fov_degrees is 180, but must be more than 0 and less than 180",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfov_degrees = 179.9999999",
+        "5:15: fov_degrees is 180, but must be more than 0 and less than 180 \
+         (179.9999999 is 180 in single precision)",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nfocus_distance = 1e-38",
+        "5:18: focus_distance is 1e-38, but must be at least 1.1754944e-38",
+    ),
+    (
+        "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 1e-50",
+        "5:12: f_number is 0, but must be more than 0 (1e-50 is 0 in single precision)",
     ),
     (
         "version = 1\n[camera]\nposition = [0, 0, 1]\nlook_at = [0, 0, 0]\nf_number = 0",

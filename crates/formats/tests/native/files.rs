@@ -159,6 +159,14 @@ mod unix {
         assert_eq!(said, "scene.toml:11:8: \"pipe.obj\" is a pipe or a device, not a file");
         let error = read_scene(&pipe, &options).expect_err("a pipe").to_string();
         assert!(error.ends_with("pipe.obj: this is a pipe or a device, not a file"), "{error}");
+
+        // A file of materials is missed rather than refused, for the same reason.
+        let obj = folder.path().join("a.obj");
+        fs::write(&obj, "mtllib pipe.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+        let notes = read_scene(&obj, &options).expect("a scene").notes;
+        let said =
+            "MTL file \"pipe.obj\" is a pipe or a device, not a file: its materials are missing";
+        assert!(notes[0].ends_with(said), "{notes:?}");
     }
 }
 

@@ -192,6 +192,22 @@ fn skies_have_the_size_of_their_projection() {
     }
 }
 
+/// A mesh without faces, written out in the scene, is said to be invisible as one in a file is.
+#[test]
+fn a_mesh_without_faces_is_noted() {
+    let shape = "[[shape]]\ntype = \"mesh\"\nmaterial = \"grey\"\n";
+    for (lists, notes) in [
+        ("positions = []\ntriangles = []", 1),
+        ("positions = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\ntriangles = []", 1),
+        ("positions = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\ntriangles = [[0, 1, 2]]", 0),
+    ] {
+        let text = format!("{HEAD}{shape}{lists}");
+        let loaded = parse_native(&text, Path::new("scene.toml"), &ReadOptions::default());
+        let said = "scene.toml:8: there are no faces in it, so nothing of it can be seen";
+        assert_eq!(loaded.expect("a scene").notes, vec![said; notes], "{lists}");
+    }
+}
+
 /// A sky whose sun grows beyond all numbers is refused, not lost sample by sample.
 #[test]
 fn a_sky_is_not_scaled_beyond_all_numbers() {
@@ -205,6 +221,15 @@ fn a_sky_is_not_scaled_beyond_all_numbers() {
     let said = "scene.toml:10:9: scale is 1e30, but times the image's brightest pixel, \
                 1.4073749e14, must be at most 1e18";
     assert_eq!(read("1e30").expect_err("too bright"), said);
+
+    // Where nobody scales it, the image is to blame.
+    let sky: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\xc0";
+    let options = ReadOptions { embedded: &[("sky.hdr", sky)], ..ReadOptions::default() };
+    let text = format!("{HEAD}[environment]\nimage = \"sky.hdr\"");
+    let error = parse_native(&text, Path::new("scene.toml"), &options).expect_err("too bright");
+    let said = "scene.toml:9:9: the image's brightest pixel is 9.223372e18, but must be at most \
+                1e18; a scale would make it less";
+    assert_eq!(error.to_string(), said);
 }
 
 /// An embedded image is found by its name, without a disk.

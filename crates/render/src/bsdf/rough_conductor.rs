@@ -2,7 +2,8 @@
 //!
 //! Facets of the GGX distribution reflect like smooth metal. What they send into
 //! each other comes back by the lobe of `energy.rs`, deeper in colour for every
-//! bounce, so that polished and rough metal are equally bright.
+//! bounce: a metal that reflects everything is as bright rough as polished, a
+//! coloured one darker and more colourful.
 //!
 //! Facets are drawn as often as they are seen; the second lobe as often as light
 //! is lost to it.

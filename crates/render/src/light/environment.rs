@@ -79,7 +79,15 @@ impl Environment {
                 projection.charts(size).map(|_| ()).or_else(problem)?;
                 // Pixels that are no numbers give no light.
                 let sound = pixels.into_iter().flatten().filter(|c| c.is_finite());
-                self.check_scaled("the image's brightest pixel", sound)
+                let brightest = sound.fold(0.0, f32::max);
+                if self.scale == 1.0 && !LIGHT.contains(&brightest) {
+                    let [brightest, most] = [brightest, *LIGHT.end()].map(number);
+                    return problem(format!(
+                        "the image's brightest pixel is {brightest}, but must be at most {most}; \
+                         a scale would make it less"
+                    ));
+                }
+                self.check_scaled("the image's brightest pixel", [brightest])
             }
         }
     }

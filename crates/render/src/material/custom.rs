@@ -13,32 +13,51 @@
 //! use rutilant::color::Spectrum;
 //! use rutilant::material::{CustomMaterial, SurfacePoint};
 //!
-//! /// White paper and mirrors in turn, a tenth of a metre each way.
+//! /// White paper and half mirrors in turn, a tenth of a metre each way.
 //! #[derive(Debug)]
 //! struct Checker;
 //!
 //! impl CustomMaterial for Checker {
 //!     fn bsdf(&self, point: &SurfacePoint) -> Bsdf {
 //!         let tile = (point.position * 10.0).floor();
-//!         let white = Spectrum::splat(0.8);
 //!         if (tile.x + tile.y + tile.z) % 2.0 == 0.0 {
-//!             Lobe::Lambert(Lambert { albedo: white }).into()
+//!             Lobe::Lambert(Lambert { albedo: Spectrum::splat(0.8) }).into()
 //!         } else {
-//!             Lobe::Mirror(PerfectMirror { reflectance: white }).into()
+//!             Lobe::Mirror(PerfectMirror { reflectance: Spectrum::splat(0.5) }).into()
 //!         }
 //!     }
 //! }
 //!
 //! use rutilant::camera::Perspective;
-//! use rutilant::geom::Vec3;
+//! use rutilant::color::Rgb;
+//! use rutilant::geom::{Transform, Vec2, Vec3};
+//! use rutilant::light::Environment;
 //! use rutilant::scene::Scene;
-//! use std::sync::Arc;
+//! use rutilant::settings::Settings;
+//! use rutilant::shape::{Object, Shape};
+//! use rutilant::{Prepared, Session};
+//! use std::{sync::Arc, time::Duration};
 //!
-//! let camera = Perspective::look_at(Vec3::Z, Vec3::ZERO, 0.5).unwrap();
-//! let mut scene = Scene::new(camera);
+//! // A board of it under a white sky, seen from above a border of two squares: every square fills half of the
+//! // picture and sends back its part of the light.
+//! let target = Vec3::new(0.1, 0.05, 0.05);
+//! let mut scene = Scene::new(Perspective::look_at(target + 0.1 * Vec3::Z, target, 0.5).unwrap());
+//! scene.environment = Some(Environment::constant(Rgb::WHITE));
 //! let checker: Arc<dyn CustomMaterial> = Arc::new(Checker);
 //! let checker = scene.add_material(checker);
-//! # let _ = checker;
+//! let board = Object::new(Shape::Rectangle { size: Vec2::ONE }, checker);
+//! scene.objects.push(board.transformed(&Transform::translate(0.05 * Vec3::Z)));
+//!
+//! let prepared = Arc::new(Prepared::new(&scene)?);
+//! let settings = Settings { size: [8, 8], spp: 64, ..Settings::default() };
+//! let session = Session::start(prepared, settings, 2)?;
+//! while !session.wait(Duration::from_secs(1)) {}
+//!
+//! let image = session.snapshot();
+//! let row = &image.channel("G").unwrap()[4 * 8..5 * 8];
+//! assert!((row[1] - 0.8).abs() < 0.01, "paper on the left");
+//! assert!((row[6] - 0.5).abs() < 0.01, "a mirror on the right");
+//! # Ok::<(), rutilant::scene::SceneProblem>(())
 //! ```
 
 use crate::bsdf::Bsdf;

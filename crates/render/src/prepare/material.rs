@@ -49,7 +49,17 @@ impl PreparedMaterial {
 
 /// True where rays go on as if there were no surface.
 pub(super) fn passes(material: &Material) -> bool {
-    matches!(material.kind, MaterialKind::Null)
+    match material.kind {
+        MaterialKind::Null => true,
+        MaterialKind::Black
+        | MaterialKind::Matte(_)
+        | MaterialKind::Mirror(_)
+        | MaterialKind::Conductor(_)
+        | MaterialKind::Dielectric(_)
+        | MaterialKind::ThinDielectric(_)
+        | MaterialKind::Mix(_)
+        | MaterialKind::Custom(_) => false,
+    }
 }
 
 /// All materials as they meet light, and the custom ones among them.

@@ -76,6 +76,8 @@ impl<'d> Document<'d> {
         let line = self.text[start..].lines().next().unwrap_or("");
         if self.text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '<']) {
             "; scenes are written in TOML: see docs/scene-format.md"
+        } else if self.text.contains('\r') && !self.text.contains('\n') {
+            "; the line ends are CR alone: save the file with LF or CR LF"
         } else if line.contains(|c: char| c.is_control() && c != '\t') {
             "; the line holds bytes that are no text"
         } else if line.contains('\\') {

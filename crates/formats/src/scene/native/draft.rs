@@ -119,12 +119,13 @@ impl<'d> Draft<'d> {
             | Place::Object(_)
             | Place::Light(_) => None,
         };
-        let what = &problem.what;
+        let rounded = table.rounded(problem.key).unwrap_or_default();
+        let what = format!("{}{rounded}", problem.what);
         table.invalid_at(
             at,
             match part {
                 Some((kind, name)) if !own => format!("{kind} \"{}\": {what}", shown(name)),
-                Some(_) | None => what.clone(),
+                Some(_) | None => what,
             },
         )
     }

@@ -18,7 +18,8 @@ mod render;
 mod shape;
 mod table;
 
-use super::framing::frame_all;
+use super::bare::TOO_LARGE;
+use super::framing::{bounds_of_all, frame_all};
 use super::loaded::LoadedScene;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
@@ -112,7 +113,11 @@ fn parse_here(
     if camera.is_none() {
         let size = options.size.unwrap_or(settings.size);
         let chosen = frame_all(&draft.scene, size).ok_or_else(|| {
-            root.invalid("there is no [camera], and no shape that one could be turned to")
+            root.invalid(if bounds_of_all(&draft.scene).is_empty() {
+                "there is no [camera], and no shape that one could be turned to".to_owned()
+            } else {
+                format!("there is no [camera], and what is there cannot have one: {TOO_LARGE}")
+            })
         })?;
         draft.scene.camera = chosen.into();
         draft.notes.push(root.note("there is no [camera]: one was chosen that sees all shapes"));

@@ -98,6 +98,9 @@ fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, Scen
         uvs: table.or("uvs", |value| all(value, "pairs [[u, v], ..]", Value::pair), Vec::new())?,
         positions,
     };
+    if mesh.triangles.is_empty() {
+        draft.notes.push(table.note("there are no faces in it, so nothing of it can be seen"));
+    }
     let bounds = bounds_of(&mesh.positions);
     let mesh = smoothed(mesh, crease(table)?, table, &mut draft.notes);
     let id = draft.add_mesh(table, mesh).map_err(|kind| table.error(kind))?;

@@ -162,6 +162,12 @@ impl<'d> Table<'d> {
         (own.or_else(stand_in).map_or(self.at, |value| value.span().start), own_key)
     }
 
+    /// What is to be added to a problem with the number of `key` that reads otherwise than it is
+    /// written.
+    pub(super) fn rounded(&self, key: &str) -> Option<String> {
+        rounded(self.entries.get(key)?.get_ref())
+    }
+
     /// There should be a `key`.
     pub(super) fn missing(&self, key: &'static str) -> SceneError {
         // A key that nearly has this name is more likely misspelled than superfluous.
@@ -229,7 +235,8 @@ impl<'d> Value<'d> {
         if number > 0.0 {
             Ok(number)
         } else {
-            Err(self.invalid(format!("{key} is {number}, but must be more than 0")))
+            let rounded = rounded(self.value).unwrap_or_default();
+            Err(self.invalid(format!("{key} is {number}, but must be more than 0{rounded}")))
         }
     }
 
@@ -416,6 +423,22 @@ impl<'d> Value<'d> {
         let values: Vec<T> = entries.map(read).collect::<Result<_, _>>()?;
         values.try_into().map_err(|_| self.must_be(expected))
     }
+}
+
+/// That a number becomes another one in single precision, for people; `None` where the nearest
+/// single is written in the same digits.
+fn rounded(value: &DeValue<'_>) -> Option<String> {
+    let text = value.as_float()?.as_str();
+    let single: f32 = text.parse().ok().filter(|n: &f32| n.is_finite())?;
+    let mantissa = text.split(['e', 'E']).next().unwrap_or(text);
+    let vanishes = single == 0.0 && mantissa.contains(|c: char| ('1'..='9').contains(&c));
+    let same = single.to_string().parse::<f64>() == text.parse::<f64>();
+    let shows = if (1e-5..1e7).contains(&single.abs()) || single == 0.0 {
+        single.to_string()
+    } else {
+        format!("{single:e}")
+    };
+    (vanishes || !same).then(|| format!(" ({} is {shows} in single precision)", shown(text)))
 }
 
 /// Names in a message that says which there are.
