@@ -241,7 +241,8 @@ impl Path {
             Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
             Roulette::Throughput => worth.max_channel().clamp(0.0, 1.0),
         };
-        if depth < ENDLESS_FROM { survival } else { survival.min(ENDLESS_SURVIVAL) }
+        // What is no number goes on, to be counted in the picture: `min` gives the other one.
+        survival.min(if depth < ENDLESS_FROM { 1.0 } else { ENDLESS_SURVIVAL })
     }
 }
 
