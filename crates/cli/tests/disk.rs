@@ -130,7 +130,7 @@ fn a_full_disk_keeps_the_older_picture() {
     assert_eq!(out, "status 1\nolder\na.exr\n", "{ran:?}");
     let (_, error) = said(&ran);
     let expected = "error: full/a.exr: cannot write: No space left on device (os error 28)";
-    assert_eq!(error, [expected]);
+    assert_eq!(error, ["wrote b.exr", expected]);
     assert_eq!(names(desk.path()), ["b.exr", "full", "scene.toml"]);
 }
 
