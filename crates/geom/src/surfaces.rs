@@ -230,6 +230,24 @@ impl Surfaces {
         self.triangles[i as usize].map(|vertex| self.positions[vertex as usize])
     }
 
+    /// The primitive number `i`.
+    #[inline]
+    fn primitive(&self, i: u32) -> Primitive<'_> {
+        let triangles = self.triangles.len();
+        if (i as usize) < triangles {
+            return Primitive::Triangle(self.triangle(i));
+        }
+        let i = i as usize - triangles;
+        if let Some(sphere) = self.spheres.get(i) {
+            return Primitive::Sphere(sphere);
+        }
+        let i = i - self.spheres.len();
+        match self.disks.get(i) {
+            Some(disk) => Primitive::Disk(disk),
+            None => Primitive::Custom(&self.customs[i - self.disks.len()]),
+        }
+    }
+
     /// The first surface that the ray meets, from either side: the hit with the
     /// least `t` in double precision, of equal ones that with the smallest number.
     ///
@@ -240,20 +258,21 @@ impl Surfaces {
 
         // Where exactly, in double precision; rounded once at the end.
         let Nearest { t, primitive, uv: [u, v] } = nearest;
-        let i = primitive as usize;
-        let (position, normal, [u, v]) = if i < self.triangles.len() {
-            let corners = self.triangle(primitive);
-            let [a, b, c] = corners.map(Vec3::as_dvec3);
-            let position = a + (b - a) * u + (c - a) * v;
-            (position, unit(triangle_normal(corners)), [u as f32, v as f32])
-        } else if let Some(sphere) = self.spheres.get(i - self.triangles.len()) {
-            let (position, normal) = sphere.surface_at(ray, t);
-            (position, normal, longitude_latitude(normal.as_vec3()))
-        } else if let Some(disk) = self.disks.get(i - self.triangles.len() - self.spheres.len()) {
-            (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32])
-        } else {
-            let hit = custom?;
-            (hit.position, hit.normal, [u as f32, v as f32])
+        let (position, normal, [u, v]) = match self.primitive(primitive) {
+            Primitive::Triangle(corners) => {
+                let [a, b, c] = corners.map(Vec3::as_dvec3);
+                let position = a + (b - a) * u + (c - a) * v;
+                (position, unit(triangle_normal(corners)), [u as f32, v as f32])
+            }
+            Primitive::Sphere(sphere) => {
+                let (position, normal) = sphere.surface_at(ray, t);
+                (position, normal, longitude_latitude(normal.as_vec3()))
+            }
+            Primitive::Disk(disk) => (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32]),
+            Primitive::Custom(_) => {
+                let hit = custom?;
+                (hit.position, hit.normal, [u as f32, v as f32])
+            }
         };
         let (position, normal) = (position.as_vec3(), normal.as_vec3());
         Some(Hit { primitive, t: t as f32, u, v, position, normal })
@@ -361,20 +380,6 @@ impl Surfaces {
         }
     }
 
-    /// Meets one triangle, and keeps the hit if it is the nearest.
-    #[inline(never)]
-    fn meet_triangle(
-        &self,
-        ray: &Ray,
-        [a, b, c]: [Vec3; 3],
-        primitive: u32,
-        nearest: &mut Option<Nearest>,
-    ) {
-        if let Some(hit) = TriangleRay::new(ray).intersect(a, b, c) {
-            Nearest { t: hit.t, primitive, uv: [hit.u, hit.v] }.keep(nearest);
-        }
-    }
-
     /// Meets one primitive of any kind, and keeps the hit if it is the nearest, with what a custom
     /// shape `said`.
     #[inline(never)]
@@ -385,24 +390,26 @@ impl Surfaces {
         nearest: &mut Option<Nearest>,
         said: &mut Option<CustomHit>,
     ) {
-        let i = primitive as usize;
-        if i < self.triangles.len() {
-            return self.meet_triangle(ray, self.triangle(primitive), primitive, nearest);
-        }
-        let i = i - self.triangles.len();
-        let (t, uv) = if let Some(sphere) = self.spheres.get(i) {
-            let Some(t) = sphere.intersect(ray) else { return };
-            (t, [0.0, 0.0])
-        } else if let Some(disk) = self.disks.get(i - self.spheres.len()) {
-            let Some(hit) = disk.intersect(ray) else { return };
-            (hit.t, [hit.a, hit.b])
-        } else {
-            let custom = &self.customs[i - self.spheres.len() - self.disks.len()];
-            let Some(hit) = custom.intersect(ray) else { return };
-            if (Nearest { t: hit.t, primitive, uv: hit.uv }).keep(nearest) {
-                *said = Some(hit);
+        let (t, uv) = match self.primitive(primitive) {
+            Primitive::Triangle([a, b, c]) => {
+                let Some(hit) = TriangleRay::new(ray).intersect(a, b, c) else { return };
+                (hit.t, [hit.u, hit.v])
             }
-            return;
+            Primitive::Sphere(sphere) => {
+                let Some(t) = sphere.intersect(ray) else { return };
+                (t, [0.0, 0.0])
+            }
+            Primitive::Disk(disk) => {
+                let Some(hit) = disk.intersect(ray) else { return };
+                (hit.t, [hit.a, hit.b])
+            }
+            Primitive::Custom(custom) => {
+                let Some(hit) = custom.intersect(ray) else { return };
+                if (Nearest { t: hit.t, primitive, uv: hit.uv }).keep(nearest) {
+                    *said = Some(hit);
+                }
+                return;
+            }
         };
         Nearest { t, primitive, uv }.keep(nearest);
     }
@@ -436,25 +443,24 @@ impl Surfaces {
         let ends = [before.as_dvec3(), beyond.as_dvec3()];
         let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
         let mut look_at = |primitive: u32| {
-            let i = primitive as usize;
-            let round = i.wrapping_sub(self.triangles.len());
-            let surface = if i < self.triangles.len() {
-                let corners = self.triangle(primitive);
-                let [a, b, c] = corners;
-                let met = triangle_ray.intersect(a, b, c);
-                met.map(|_| plane(a.as_dvec3(), triangle_normal(corners)))
-            } else if let Some(sphere) = self.spheres.get(round) {
-                sphere.intersect(&near).map(|t| {
+            let surface = match self.primitive(primitive) {
+                Primitive::Triangle(corners) => {
+                    let [a, b, c] = corners;
+                    let met = triangle_ray.intersect(a, b, c);
+                    met.map(|_| plane(a.as_dvec3(), triangle_normal(corners)))
+                }
+                Primitive::Sphere(sphere) => sphere.intersect(&near).map(|t| {
                     let Sphere { center, radius } = *sphere;
                     let height = |e: DVec3| e.distance(center.as_dvec3()) - f64::from(radius);
                     (ends.map(height), sphere.surface_at(&near, t).1)
-                })
-            } else if let Some(disk) = self.disks.get(round - self.spheres.len()) {
-                let met = disk.intersect(&near);
-                met.map(|_| plane(disk.center.as_dvec3(), disk.normal()))
-            } else {
-                let custom = &self.customs[round - self.spheres.len() - self.disks.len()];
-                custom.intersect(&near).map(|hit| plane(hit.position, hit.normal))
+                }),
+                Primitive::Disk(disk) => {
+                    let met = disk.intersect(&near);
+                    met.map(|_| plane(disk.center.as_dvec3(), disk.normal()))
+                }
+                Primitive::Custom(custom) => {
+                    custom.intersect(&near).map(|hit| plane(hit.position, hit.normal))
+                }
             };
             // Both ends stand on it where it runs through the scene's origin, and no offset moves.
             if let Some(([start, end], normal)) = surface
@@ -475,6 +481,14 @@ impl Surfaces {
             });
         });
     }
+}
+
+/// What one number stands for.
+enum Primitive<'a> {
+    Triangle([Vec3; 3]),
+    Sphere(&'a Sphere),
+    Disk(&'a Disk),
+    Custom(&'a Custom),
 }
 
 /// The most triangles in a leaf.

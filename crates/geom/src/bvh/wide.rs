@@ -106,7 +106,7 @@ const NODE_COST: f32 = 1.5;
 /// Takes the nodes of a binary tree together, in the way that costs least by the surface area
 /// heuristic; small parts of it become leaves.
 ///
-/// `pack` tells what it costs to meet the primitives of a leaf, or `None` where they are too many
+/// `cost` tells what it costs to meet the primitives of a leaf, or `None` where they are too many
 /// for one; `leaf` makes a leaf. Both are given places in the order of the tree. The first node is
 /// the root; there is none for an empty tree.
 ///

@@ -24,62 +24,41 @@ pub enum Projection {
 }
 
 /// Where the charts stand in a picture.
+#[derive(Clone, Copy, Debug)]
 struct Layout {
     /// Columns and rows of places for a chart.
     places: [u32; 2],
-    /// The column and row of each chart, and whether it stands on its head there.
-    charts: &'static [([usize; 2], bool)],
+    /// The column and row of each chart.
+    charts: &'static [[usize; 2]],
+    /// The chart that stands on its head.
+    turned: Option<usize>,
 }
 
 /// A single chart fills the picture.
-const WHOLE: Layout = Layout { places: [1, 1], charts: &[([0, 0], false)] };
+const WHOLE: Layout = Layout { places: [1, 1], charts: &[[0, 0]], turned: None };
 
 /// The faces of a cube. In crosses +z is in the middle of the band around the horizon, and edges
 /// that touch go on; that is why the foot of the upright one is turned.
 const CUBES: [Layout; 4] = [
     Layout {
         places: [4, 3],
-        charts: &[
-            ([2, 1], false),
-            ([0, 1], false),
-            ([1, 0], false),
-            ([1, 2], false),
-            ([1, 1], false),
-            ([3, 1], false),
-        ],
+        charts: &[[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]],
+        turned: None,
     },
     Layout {
         places: [3, 4],
-        charts: &[
-            ([2, 1], false),
-            ([0, 1], false),
-            ([1, 0], false),
-            ([1, 2], false),
-            ([1, 1], false),
-            ([1, 3], true),
-        ],
+        charts: &[[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [1, 3]],
+        turned: Some(5),
     },
     Layout {
         places: [6, 1],
-        charts: &[
-            ([0, 0], false),
-            ([1, 0], false),
-            ([2, 0], false),
-            ([3, 0], false),
-            ([4, 0], false),
-            ([5, 0], false),
-        ],
+        charts: &[[0, 0], [1, 0], [2, 0], [3, 0], [4, 0], [5, 0]],
+        turned: None,
     },
     Layout {
         places: [1, 6],
-        charts: &[
-            ([0, 0], false),
-            ([0, 1], false),
-            ([0, 2], false),
-            ([0, 3], false),
-            ([0, 4], false),
-            ([0, 5], false),
-        ],
+        charts: &[[0, 0], [0, 1], [0, 2], [0, 3], [0, 4], [0, 5]],
+        turned: None,
     },
 ];
 
@@ -118,7 +97,7 @@ impl Projection {
         let [chart_width, chart_height] = of(layout).map(|side| side as usize);
         Ok(Charts {
             projection: self,
-            places: layout.charts,
+            layout: *layout,
             width: chart_width,
             height: chart_height,
             picture_width: width as usize,
@@ -130,7 +109,7 @@ impl Projection {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Charts {
     projection: Projection,
-    places: &'static [([usize; 2], bool)],
+    layout: Layout,
     /// Pixels of a chart from left to right.
     pub(super) width: usize,
     /// And from top to bottom.
@@ -141,12 +120,12 @@ pub(super) struct Charts {
 impl Charts {
     /// How many there are.
     pub(super) fn count(&self) -> usize {
-        self.places.len()
+        self.layout.charts.len()
     }
 
     /// The number of a chart's pixel in the picture.
     pub(super) fn pixel(&self, chart: usize, column: usize, row: usize) -> usize {
-        let (place, turned) = self.places[chart];
+        let (place, turned) = (self.layout.charts[chart], self.layout.turned == Some(chart));
         let (column, row) =
             if turned { (self.width - 1 - column, self.height - 1 - row) } else { (column, row) };
         (place[1] * self.height + row) * self.picture_width + place[0] * self.width + column
