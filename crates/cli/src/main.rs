@@ -51,7 +51,7 @@ enum Mode {
     Check(check::Args),
     /// Say what is in a scene: triangles, materials, lights, bounds, ray tree
     Info(info::Args),
-    /// Say how far an image is from a reference: RMSE, relMSE, PSNR, FLIP
+    /// Say how far an image is from a reference: RMSE, relMSE, PSNR, SSIM, FLIP
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::Args),
     /// Measure speed
