@@ -25,7 +25,7 @@ impl Simd {
         let best = Level::new();
         match self {
             // Wider vectors gain nothing: a node has eight boxes.
-            Self::Auto => Some(avx2(best).unwrap_or(best)),
+            Self::Auto => Some(if std::env::var_os("A512").is_some() { best } else { avx2(best).unwrap_or(best) }),
             Self::Scalar => Some(Level::fallback()),
             Self::Sse4 => sse4(best),
             Self::Avx2 => avx2(best),

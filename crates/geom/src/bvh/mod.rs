@@ -17,5 +17,5 @@ pub use binary::{Bvh, MAX_DEPTH};
 pub use build::BuildOptions;
 pub use built::{BuildReport, LeftOut};
 pub use node::{Content, Node, Siblings};
-pub(crate) use traverse::{Met, Order, traverse};
-pub(crate) use wide::{Inside, PACK, WideNode, report, widened};
+pub(crate) use traverse::{BoxRay, BoxRays, Met, Order, SLACK, Visit, traverse, traverse_packet};
+pub(crate) use wide::{Inside, PACK, WIDTH, WideNode, report, widened};

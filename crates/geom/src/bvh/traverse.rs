@@ -10,10 +10,11 @@
 
 use super::binary::MAX_DEPTH;
 use super::wide::{Inside, WIDTH, WideNode};
-use crate::Ray;
+use crate::{Ray, Vec3};
+use crate::lanes::{LANES, Xyz};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::{Simd, f32x8, mask32x8};
 
 /// Whether the nearest child is to come first.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -32,25 +33,24 @@ pub(crate) struct Met {
     pub(crate) way: f32,
 }
 
-/// Calls `leaf` for every leaf that the ray may meet before its reach. `leaf` gives the reach from
-/// then on, a ray's `t`; `None` when it is enough.
+/// Calls `leaf` for every leaf that the ray may meet before `limit`, from this part of the tree on,
+/// which it enters at `enter`. `leaf` may lower the limit; it tells when it is enough.
 #[inline(always)]
 pub(crate) fn traverse<S: Simd>(
-    simd: S,
     nodes: &[WideNode],
-    ray: &Ray,
+    boxes: &BoxRay<S>,
     order: Order,
-    mut leaf: impl FnMut(Met) -> Option<f64>,
+    (inside, enter): (Inside, f32),
+    limit: &mut f32,
+    mut leaf: impl FnMut(Met, &mut f32) -> bool,
 ) {
-    let Some(boxes) = BoxRay::new(simd, ray) else { return };
-    let mut limit = boxes.limit(f64::from(ray.t_max));
     // Each node above leaves at most all its children but one.
     let mut stack = ArrayVec::<Waiting, { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
-    let mut next = Waiting::new(0.0, Inside::node(0));
+    let mut next = Waiting::new(enter, inside);
     loop {
         if let Some(number) = next.inside().as_node() {
             let Some(node) = nodes.get(number) else { return };
-            let (mut met, enter) = boxes.meet(node, limit);
+            let (mut met, enter) = boxes.meet(node, *limit);
             if met != 0 {
                 let take = |met: &mut u32| {
                     let lane = met.trailing_zeros() as usize % WIDTH;
@@ -78,14 +78,15 @@ pub(crate) fn traverse<S: Simd>(
             }
         } else {
             let met = Met { inside: next.inside(), way: boxes.way(next.enter()) };
-            let Some(reach) = leaf(met) else { return };
-            limit = boxes.limit(reach);
+            if leaf(met, limit) {
+                return;
+            }
         }
 
         // Take up what waits, unless a hit was found before it.
         loop {
             let Some(waiting) = stack.pop() else { return };
-            if waiting.enter() <= limit {
+            if waiting.enter() <= *limit {
                 next = waiting;
                 break;
             }
@@ -115,11 +116,138 @@ impl Waiting {
     }
 }
 
+/// What is still to be visited by eight rays, and where each enters it; infinity where one does not.
+#[derive(Clone, Copy)]
+pub(crate) struct WaitingPacket {
+    pub(crate) inside: Inside,
+    pub(crate) enter: [f32; LANES],
+}
+
+/// Fewer rays than this go on alone.
+const TOGETHER: u32 = 7;
+
+/// The same for eight rays. `leaf` is given where each ray enters the leaf; `alone` a part of the
+/// tree that only few may meet, and which ones, a bit for each.
+#[inline(always)]
+pub(crate) fn traverse_packet<S: Simd>(
+    nodes: &[WideNode],
+    boxes: &BoxRays<S>,
+    limit: &mut f32x8<S>,
+    mut each: impl FnMut(Visit<S>, &mut f32x8<S>),
+) {
+    let simd = boxes.simd;
+    let infinity = f32x8::splat(simd, f32::INFINITY);
+    let mut stack = ArrayVec::<WaitingPacket, { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
+    let mut next = WaitingPacket { inside: Inside::node(0), enter: boxes.start.into() };
+    loop {
+        let enter: f32x8<S> = next.enter.simd_into(simd);
+        let active = enter.simd_le(*limit);
+        let mask = active.to_bitmask() as u32;
+        let count = mask.count_ones();
+        if let Some(number) = next.inside.as_node()
+            && count >= TOGETHER
+        {
+            let Some(node) = nodes.get(number) else { return };
+            let lead = mask.trailing_zeros() as usize % LANES;
+            let before = stack.len();
+            let mut keys = ArrayVec::<f32, WIDTH>::new();
+            for child in 0..WIDTH {
+                if node.sides[0][0][child] == f32::INFINITY {
+                    break;
+                }
+                let (met, enter) = boxes.meet(node, child, *limit);
+                let met = met & active;
+                if met.any_true() {
+                    let key = enter[lead];
+                    let enter: [f32; LANES] = met.select(enter, infinity).into();
+                    let mut at = keys.len();
+                    keys.push(key);
+                    stack.push(WaitingPacket { inside: node.inside[child], enter });
+                    while at > 0 && keys[at - 1] < keys[at] {
+                        keys.swap(at - 1, at);
+                        stack.swap(before + at - 1, before + at);
+                        at -= 1;
+                    }
+                }
+            }
+        } else if count > 0 {
+            each(Visit { inside: next.inside, enter, mask }, limit);
+        }
+        let Some(waiting) = stack.pop() else { return };
+        next = waiting;
+    }
+}
+
+/// Part of the tree that some of eight rays may meet.
+pub(crate) struct Visit<S: Simd> {
+    pub(crate) inside: Inside,
+    /// Where each ray enters it.
+    pub(crate) enter: f32x8<S>,
+    /// Which rays, a bit for each.
+    pub(crate) mask: u32,
+}
+
+impl<S: Simd> Visit<S> {
+    /// Whether there are enough rays to meet the triangles of so many packs together.
+    #[inline(always)]
+    pub(crate) fn together(&self, packs: usize) -> bool {
+        let rays = self.mask.count_ones() as usize;
+        self.inside.as_node().is_none() && packs > 0 && 3 * rays > 2 * packs
+    }
+}
+
+/// What all boxes ask of eight rays.
+pub(crate) struct BoxRays<S: Simd> {
+    pub(crate) simd: S,
+    pub(crate) origin: Xyz<f32x8<S>>,
+    pub(crate) inverse: Xyz<f32x8<S>>,
+    pub(crate) negative: Xyz<mask32x8<S>>,
+    pub(crate) start: f32x8<S>,
+    pub(crate) scale: f32x8<S>,
+}
+
+impl<S: Simd> BoxRays<S> {
+    /// Which rays enter a box before their `limit`, and where.
+    #[inline(always)]
+    fn meet(
+        &self,
+        node: &WideNode,
+        child: usize,
+        limit: f32x8<S>,
+    ) -> (mask32x8<S>, f32x8<S>) {
+        let simd = self.simd;
+        let mut enter = self.start;
+        let mut exit = f32x8::splat(simd, f32::INFINITY);
+        macro_rules! axis {
+            ($i:literal, $axis:ident) => {
+                let low = splat(simd, node.sides[$i][0][child]);
+                let high = splat(simd, node.sides[$i][1][child]);
+                let near = self.negative.$axis.select(high, low);
+                let far = self.negative.$axis.select(low, high);
+                enter = greater((near - self.origin.$axis) * self.inverse.$axis, enter);
+                exit = less((far - self.origin.$axis) * self.inverse.$axis, exit);
+            };
+        }
+        axis!(0, x);
+        axis!(1, y);
+        axis!(2, z);
+        (enter.simd_le(less(exit * SLACK, limit)), enter)
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub(crate) fn one(&self, lane: usize) -> BoxRay<S> {
+        let origin = Vec3::new(self.origin.x[lane], self.origin.y[lane], self.origin.z[lane]);
+        let inverse = Vec3::new(self.inverse.x[lane], self.inverse.y[lane], self.inverse.z[lane]);
+        BoxRay::ready(self.simd, origin, inverse, self.start[lane], self.scale[lane])
+    }
+}
+
 /// More than twice Ize's 2γ(3) = 7.2e-7.
-const SLACK: f32 = 1.0 + 1.0 / (1 << 19) as f32;
+pub(crate) const SLACK: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
 /// What all boxes ask of one ray.
-struct BoxRay<S: Simd> {
+pub(crate) struct BoxRay<S: Simd> {
     simd: S,
     origin: [f32x8<S>; 3],
     inverse: [f32x8<S>; 3],
@@ -128,13 +256,13 @@ struct BoxRay<S: Simd> {
     start: f32x8<S>,
     /// Distances here are in units of the ray's `t` times this power of two: the
     /// direction is scaled to a size near one, so that nothing under- or overflows.
-    scale: f32,
+    pub(crate) scale: f32,
 }
 
 impl<S: Simd> BoxRay<S> {
     /// `None` for a ray with a NaN or an infinity, or without a direction.
     #[inline(always)]
-    fn new(simd: S, ray: &Ray) -> Option<Self> {
+    pub(crate) fn new(simd: S, ray: &Ray) -> Option<Self> {
         let size = ray.direction.abs().max_element();
         let meets = ray.origin.is_finite()
             && ray.direction.is_finite()
@@ -145,18 +273,27 @@ impl<S: Simd> BoxRay<S> {
         }
         let scale = power_of_two_near(size);
         // Both exact.
-        let direction = ray.direction * (1.0 / scale);
-        let inverse = 1.0 / direction;
-        let splat = |v: f32| f32x8::splat(simd, v);
-        let first = |d: f32| usize::from(d.is_sign_negative());
-        Some(Self {
+        let inverse = 1.0 / (ray.direction * (1.0 / scale));
+        Some(Self::ready(simd, ray.origin, inverse, ray.t_min * scale, scale))
+    }
+
+    /// One of several rays that were made ready together.
+    #[inline(always)]
+    pub(crate) fn ready(
+        simd: S,
+        origin: Vec3,
+        inverse: Vec3,
+        start: f32,
+        scale: f32,
+    ) -> Self {
+        Self {
             simd,
-            origin: [splat(ray.origin.x), splat(ray.origin.y), splat(ray.origin.z)],
-            inverse: [splat(inverse.x), splat(inverse.y), splat(inverse.z)],
-            near: [first(direction.x), first(direction.y), first(direction.z)],
-            start: splat(ray.t_min * scale),
+            origin: [splat(simd, origin.x), splat(simd, origin.y), splat(simd, origin.z)],
+            inverse: [splat(simd, inverse.x), splat(simd, inverse.y), splat(simd, inverse.z)],
+            near: [first(inverse.x), first(inverse.y), first(inverse.z)],
+            start: splat(simd, start),
             scale,
-        })
+        }
     }
 
     /// Which boxes the ray enters before `limit`, a bit for each; and where it enters them.
@@ -181,7 +318,7 @@ impl<S: Simd> BoxRay<S> {
 
     /// A box that is entered beyond this holds no hit before `reach`, a ray's `t`.
     #[inline(always)]
-    fn limit(&self, reach: f64) -> f32 {
+    pub(crate) fn limit(&self, reach: f64) -> f32 {
         (reach * f64::from(self.scale)) as f32 * SLACK
     }
 
@@ -193,15 +330,26 @@ impl<S: Simd> BoxRay<S> {
     }
 }
 
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: f32) -> f32x8<S> {
+    f32x8::splat(simd, v)
+}
+
+/// Which side of a box is met first.
+#[inline(always)]
+fn first(d: f32) -> usize {
+    usize::from(d.is_sign_negative())
+}
+
 /// The greater of each two numbers; the second where the first is no number.
 #[inline(always)]
-fn greater<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+pub(crate) fn greater<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
     if cfg!(any(target_arch = "x86", target_arch = "x86_64")) { a.max(b) } else { a.max_precise(b) }
 }
 
 /// The less of each two numbers; the second where the first is no number.
 #[inline(always)]
-fn less<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
+pub(crate) fn less<S: Simd>(a: f32x8<S>, b: f32x8<S>) -> f32x8<S> {
     if cfg!(any(target_arch = "x86", target_arch = "x86_64")) { a.min(b) } else { a.min_precise(b) }
 }
 
@@ -215,7 +363,7 @@ fn power_of_two_near(size: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::simd::Simd;
-    use crate::{Aabb, Vec3};
+    use crate::Aabb;
     use fearless_simd::dispatch;
 
     /// Whether a box is met, with all instructions that there are.

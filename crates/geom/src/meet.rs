@@ -1,0 +1,552 @@
+//! Rays meet surfaces: which one first, or whether any.
+//!
+//! On the way through the tree single precision sorts out most triangles and
+//! keeps a few that may be the first one (`packs.rs`); double precision decides
+//! among those at the end. For eight rays at once each of these is done for
+//! eight of them.
+
+use crate::bvh::{BoxRay, Inside, Met, Order, PACK, SLACK, Visit, traverse, traverse_packet};
+use crate::custom::CustomHit;
+use crate::each;
+use crate::lanes::{LANES, Xyz, narrow, widen};
+use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady};
+use crate::packs::{Pack, PackRay};
+use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
+use crate::triangle::TriangleRay;
+use crate::{Ray, Sphere, Vec3, real};
+use arrayvec::ArrayVec;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch, f32x8, f64x8, mask32x8, u32x8};
+use glam::DVec3;
+use std::f32::consts::{FRAC_1_PI, PI};
+
+/// A triangle that may be the first one met.
+#[derive(Clone, Copy)]
+struct Candidate {
+    /// Four times the number of its pack, and its place there.
+    at: u32,
+    /// It is met no sooner.
+    from: f32,
+}
+
+/// What has been found for one ray.
+#[derive(Default)]
+struct Search {
+    candidates: ArrayVec<Candidate, 8>,
+    /// Of all others.
+    nearest: Option<Nearest>,
+    custom: Option<CustomHit>,
+}
+
+/// The nearest hit so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    t: f64,
+    primitive: u32,
+    uv: [f64; 2],
+}
+
+impl Nearest {
+    /// Takes the place of what is farther, and tells whether it did; of equal ones the smallest
+    /// number stays.
+    fn keep(self, nearest: &mut Option<Self>) -> bool {
+        let keep = nearest.is_none_or(|n| (self.t, self.primitive) < (n.t, n.primitive));
+        if keep {
+            *nearest = Some(self);
+        }
+        keep
+    }
+}
+
+impl Surfaces {
+    /// The first surface that the ray meets, from either side: the hit with the
+    /// least `t` in double precision, of equal ones that with the smallest number.
+    ///
+    /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut search = Search::default();
+        dispatch!(self.level, simd => self.search_alone(simd, ray, &mut search));
+        self.finish(ray, search.nearest?, search.custom)
+    }
+
+    /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        dispatch!(self.level, simd => self.blocked(simd, ray))
+    }
+
+    /// What [`closest`](Self::closest) finds for each of eight rays.
+    pub fn closest_packet(&self, rays: &RayPacket) -> HitPacket {
+        dispatch!(self.level, simd => self.closest_of(simd, rays))
+    }
+
+    /// Which of eight rays are [`occluded`](Self::occluded), a bit for each.
+    pub fn occluded_packet(&self, rays: &RayPacket) -> u32 {
+        dispatch!(self.level, simd => self.blocked_of(simd, rays))
+    }
+
+    #[inline(always)]
+    fn search_alone<S: Simd>(&self, simd: S, ray: &Ray, search: &mut Search) {
+        let Some(boxes) = BoxRay::new(simd, ray) else { return };
+        let packs = PackRay::new(simd, ray, boxes.scale);
+        let mut limit = boxes.limit(f64::from(ray.t_max));
+        self.search(&boxes, &packs, ray, (Inside::node(0), 0.0), &mut limit, search);
+        self.settle(ray, limit, search);
+    }
+
+    /// Searches part of the tree.
+    #[inline(always)]
+    fn search<S: Simd>(
+        &self,
+        boxes: &BoxRay<S>,
+        packs: &PackRay<S>,
+        ray: &Ray,
+        from: (Inside, f32),
+        limit: &mut f32,
+        search: &mut Search,
+    ) {
+        traverse(
+            &self.nodes,
+            boxes,
+            Order::Nearest,
+            from,
+            limit,
+            #[inline(always)]
+            |leaf, limit| {
+                let (first, all) = self.packs_of(leaf.inside);
+                for (i, pack) in all.iter().enumerate() {
+                    let sorted = packs.meet(pack, leaf.way, *limit);
+                    let (mut may, sure) = (sorted.may.to_bitmask(), sorted.sure.to_bitmask());
+                    while may != 0 {
+                        let lane = may.trailing_zeros() as usize % PACK;
+                        may &= may - 1;
+                        let at = ((first + i) * PACK + lane) as u32;
+                        self.note(Candidate { at, from: sorted.from[lane] }, ray, *limit, search);
+                        if sure >> lane & 1 == 1 {
+                            *limit = limit.min(sorted.until[lane] * SLACK);
+                        }
+                    }
+                }
+                for number in self.singles_of(leaf) {
+                    self.meet_single(ray, *number, &mut search.nearest, &mut search.custom);
+                    if let Some(nearest) = search.nearest {
+                        *limit = limit.min(boxes.limit(nearest.t));
+                    }
+                }
+                false
+            },
+        );
+    }
+
+    /// Keeps a candidate.
+    #[inline(always)]
+    fn note(&self, candidate: Candidate, ray: &Ray, limit: f32, search: &mut Search) {
+        if search.candidates.is_full() {
+            self.settle(ray, limit, search);
+        }
+        search.candidates.push(candidate);
+    }
+
+    /// Decides among the candidates.
+    #[inline(never)]
+    fn settle(&self, ray: &Ray, limit: f32, search: &mut Search) {
+        let exact = TriangleRay::new(ray);
+        for candidate in search.candidates.drain(..) {
+            if candidate.from <= limit {
+                let (pack, lane) = self.pack_of(candidate.at);
+                let [a, b, c] = pack.triangle(lane);
+                if let Some(hit) = exact.intersect(a, b, c) {
+                    let primitive = self.order[pack.place(lane)];
+                    let hit = Nearest { t: hit.t, primitive, uv: [hit.u, hit.v] };
+                    hit.keep(&mut search.nearest);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn blocked<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
+        let Some(boxes) = BoxRay::new(simd, ray) else { return false };
+        let packs = PackRay::new(simd, ray, boxes.scale);
+        let limit = boxes.limit(f64::from(ray.t_max));
+        self.blocked_from(&boxes, &packs, ray, (Inside::node(0), 0.0), limit)
+    }
+
+    /// Whether anything in part of the tree is in the way.
+    #[inline(always)]
+    fn blocked_from<S: Simd>(
+        &self,
+        boxes: &BoxRay<S>,
+        packs: &PackRay<S>,
+        ray: &Ray,
+        from: (Inside, f32),
+        mut limit: f32,
+    ) -> bool {
+        let mut blocked = false;
+        traverse(
+            &self.nodes,
+            boxes,
+            Order::Any,
+            from,
+            &mut limit,
+            #[inline(always)]
+            |leaf, limit| {
+                let (first, all) = self.packs_of(leaf.inside);
+                for (i, pack) in all.iter().enumerate() {
+                    let sorted = packs.meet(pack, leaf.way, *limit);
+                    let (may, sure) = (sorted.may.to_bitmask(), sorted.sure.to_bitmask());
+                    if may != 0 {
+                        blocked = sure != 0 || self.meets(ray, (first + i) * PACK, may as u32);
+                        if blocked {
+                            return true;
+                        }
+                    }
+                }
+                blocked = self.singles_of(leaf).iter().any(|number| {
+                    let mut nearest = None;
+                    self.meet_single(ray, *number, &mut nearest, &mut None);
+                    nearest.is_some()
+                });
+                blocked
+            },
+        );
+        blocked
+    }
+
+    /// Whether a ray meets some of the triangles of a pack.
+    #[inline(never)]
+    fn meets(&self, ray: &Ray, first: usize, mut which: u32) -> bool {
+        let exact = TriangleRay::new(ray);
+        while which != 0 {
+            let (pack, lane) = self.pack_of(first as u32 + which.trailing_zeros());
+            which &= which - 1;
+            let [a, b, c] = pack.triangle(lane);
+            if exact.intersect(a, b, c).is_some() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The packs of a leaf, and the number of the first.
+    #[inline(always)]
+    fn packs_of(&self, leaf: Inside) -> (usize, &[Pack]) {
+        let (first, count) = leaf.as_leaf();
+        (first, self.packs.get(first..first + count).unwrap_or_default())
+    }
+
+    #[inline(always)]
+    fn pack_of(&self, at: u32) -> (&Pack, usize) {
+        (&self.packs[at as usize / PACK], at as usize % PACK)
+    }
+
+    /// Closest hits of eight rays.
+    #[inline(always)]
+    pub fn closest_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> HitPacket {
+        let rays = RaysReady::new(simd, packet);
+        let mut searches: [Search; LANES] = Default::default();
+        let mut limit = rays.limit;
+        traverse_packet(
+            &self.nodes,
+            &rays.boxes,
+            &mut limit,
+            #[inline(always)]
+            |visit: Visit<S>, limit| {
+                let (first, all) = self.packs_of(visit.inside);
+                if !visit.together(all.len()) {
+                    let mut which = visit.mask;
+                    while which != 0 {
+                        let lane = which.trailing_zeros() as usize % LANES;
+                        which &= which - 1;
+                        let from = (visit.inside, visit.enter[lane]);
+                        let (boxes, packs) = (rays.boxes.one(lane), rays.packs(packet, lane));
+                        let (search, ray) = (&mut searches[lane], packet.ray(lane));
+                        self.search(&boxes, &packs, &ray, from, &mut limit[lane], search);
+                    }
+                    return;
+                }
+                for (i, pack) in all.iter().enumerate() {
+                    for lane in 0..PACK {
+                        if pack.edges[lane].is_nan() {
+                            break;
+                        }
+                        let sorted = rays.sort_out(pack, lane, visit.enter, *limit);
+                        let mut may = sorted.may.to_bitmask() as u32 & visit.mask;
+                        if may == 0 {
+                            continue;
+                        }
+                        let at = ((first + i) * PACK + lane) as u32;
+                        while may != 0 {
+                            let ray = may.trailing_zeros() as usize % LANES;
+                            may &= may - 1;
+                            let candidate = Candidate { at, from: sorted.from[ray] };
+                            let search = &mut searches[ray];
+                            if search.candidates.is_full() {
+                                self.settle(&packet.ray(ray), limit[ray], search);
+                            }
+                            search.candidates.push(candidate);
+                        }
+                        *limit = sorted.sure.select(limit.min(sorted.until * SLACK), *limit);
+                    }
+                }
+            },
+        );
+        self.decide(&rays, packet, &limit, &mut searches)
+    }
+
+    /// Decides among the candidates of eight rays.
+    #[inline(always)]
+    fn decide<S: Simd>(
+        &self,
+        rays: &RaysReady<S>,
+        packet: &RayPacket,
+        limit: &[f32; LANES],
+        searches: &mut [Search; LANES],
+    ) -> HitPacket {
+        let simd = rays.boxes.simd;
+        let mut nearest = NearestPacket::none(simd, packet);
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        loop {
+            let mut primitive = [u32::MAX; LANES];
+            let mut some = false;
+            for (lane, search) in searches.iter_mut().enumerate() {
+                while let Some(candidate) = search.candidates.pop() {
+                    if candidate.from <= limit[lane] {
+                        let (pack, place) = self.pack_of(candidate.at);
+                        primitive[lane] = self.order[pack.place(place)];
+                        for vertex in 0..3 {
+                            for axis in 0..3 {
+                                corners[vertex][axis][lane] = pack.vertices[vertex][axis][place];
+                            }
+                        }
+                        some = true;
+                        break;
+                    }
+                }
+            }
+            if !some {
+                break;
+            }
+            rays.meet(&corners, primitive.simd_into(simd), &mut nearest);
+        }
+
+        let mut hits = nearest.finished();
+        for (lane, search) in searches.iter().enumerate() {
+            if let Some(other) = search.nearest {
+                let found = (nearest.t[lane], nearest.primitive[lane]);
+                if (other.t, other.primitive) < found {
+                    hits.set(lane, self.finish(&packet.ray(lane), other, search.custom).as_ref());
+                }
+            }
+        }
+        hits
+    }
+
+    /// Which of eight rays are blocked.
+    #[inline(always)]
+    pub fn blocked_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> u32 {
+        let rays = RaysReady::new(simd, packet);
+        let mut limit = rays.limit;
+        let mut blocked = 0;
+        traverse_packet(
+            &self.nodes,
+            &rays.boxes,
+            &mut limit,
+            #[inline(always)]
+            |visit: Visit<S>, limit| {
+                let (first, all) = self.packs_of(visit.inside);
+                if !visit.together(all.len()) {
+                    let mut which = visit.mask;
+                    while which != 0 {
+                        let lane = which.trailing_zeros() as usize % LANES;
+                        which &= which - 1;
+                        let from = (visit.inside, visit.enter[lane]);
+                        let (boxes, packs) = (rays.boxes.one(lane), rays.packs(packet, lane));
+                        let ray = packet.ray(lane);
+                        if self.blocked_from(&boxes, &packs, &ray, from, limit[lane]) {
+                            blocked |= 1 << lane;
+                            limit[lane] = f32::NEG_INFINITY;
+                        }
+                    }
+                    return;
+                }
+                for (i, pack) in all.iter().enumerate() {
+                    for lane in 0..PACK {
+                        if pack.edges[lane].is_nan() {
+                            break;
+                        }
+                        let sorted = rays.sort_out(pack, lane, visit.enter, *limit);
+                        let may = sorted.may.to_bitmask() as u32 & visit.mask & !blocked;
+                        if may == 0 {
+                            continue;
+                        }
+                        let mut newly = sorted.sure.to_bitmask() as u32 & may;
+                        let mut unsure = may & !newly;
+                        while unsure != 0 {
+                            let ray = unsure.trailing_zeros();
+                            unsure &= unsure - 1;
+                            let triangle = (first + i) * PACK;
+                            if self.meets(&packet.ray(ray as usize % LANES), triangle, 1 << lane) {
+                                newly |= 1 << ray;
+                            }
+                        }
+                        blocked |= newly;
+                        let gone = f32x8::splat(simd, f32::NEG_INFINITY);
+                        *limit = mask32x8::from_bitmask(simd, u64::from(newly)).select(gone, *limit);
+                    }
+                }
+            },
+        );
+        blocked
+    }
+
+    /// Where exactly, in double precision; rounded once at the end.
+    fn finish(&self, ray: &Ray, nearest: Nearest, custom: Option<CustomHit>) -> Option<Hit> {
+        let Nearest { t, primitive, uv: [u, v] } = nearest;
+        let (position, normal, [u, v]) = match self.primitive(primitive) {
+            Primitive::Triangle(corners) => {
+                let [a, b, c] = corners.map(Vec3::as_dvec3);
+                let position = a + (b - a) * u + (c - a) * v;
+                (position, unit(triangle_normal(corners)), [u as f32, v as f32])
+            }
+            Primitive::Sphere(sphere) => {
+                let (position, normal) = sphere.surface_at(ray, t);
+                (position, normal, longitude_latitude(normal.as_vec3()))
+            }
+            Primitive::Disk(disk) => (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32]),
+            Primitive::Custom(_) => {
+                let hit = custom?;
+                (hit.position, hit.normal, [u as f32, v as f32])
+            }
+        };
+        let (position, normal) = (position.as_vec3(), normal.as_vec3());
+        Some(Hit { primitive, t: t as f32, u, v, position, normal })
+    }
+
+    /// The primitives of a leaf that are met one by one.
+    #[inline(always)]
+    fn singles_of(&self, leaf: Met) -> &[u32] {
+        match leaf.inside.as_leaf() {
+            (number, 0) => &self.order[self.others[number].clone()],
+            _ => &[],
+        }
+    }
+
+    /// Meets one primitive of any kind, and keeps the hit if it is the nearest, with what a custom
+    /// shape `said`.
+    #[inline(never)]
+    fn meet_single(
+        &self,
+        ray: &Ray,
+        primitive: u32,
+        nearest: &mut Option<Nearest>,
+        said: &mut Option<CustomHit>,
+    ) {
+        let (t, uv) = match self.primitive(primitive) {
+            Primitive::Triangle([a, b, c]) => {
+                let Some(hit) = TriangleRay::new(ray).intersect(a, b, c) else { return };
+                (hit.t, [hit.u, hit.v])
+            }
+            Primitive::Sphere(sphere) => {
+                let Some(t) = sphere.intersect(ray) else { return };
+                (t, [0.0, 0.0])
+            }
+            Primitive::Disk(disk) => {
+                let Some(hit) = disk.intersect(ray) else { return };
+                (hit.t, [hit.a, hit.b])
+            }
+            Primitive::Custom(custom) => {
+                let Some(hit) = custom.intersect(ray) else { return };
+                if (Nearest { t: hit.t, primitive, uv: hit.uv }).keep(nearest) {
+                    *said = Some(hit);
+                }
+                return;
+            }
+        };
+        Nearest { t, primitive, uv }.keep(nearest);
+    }
+
+    /// Every surface that the ray meets at the same place as `hit`, in no order to rely on: its
+    /// number, and whether the ray comes from its front. The same place means: between `before`
+    /// and `beyond`, points next to the hit on its two sides. `hit` itself is among them.
+    ///
+    /// Of surfaces that touch a ray meets just one, and the next ray starts beyond all of them:
+    /// this tells of the others.
+    pub fn at_the_same_place(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        [before, beyond]: [Vec3; 2],
+        mut met: impl FnMut(u32, bool),
+    ) {
+        // Where on the ray that is: generous, for the sides below decide. Of rays nearly in the
+        // surface no more is looked at than of those at a thousandth to it.
+        let speed = ray.direction.length();
+        let cos = (hit.normal.dot(ray.direction) / speed).abs().max(1e-3);
+        let reach = 2.0 * before.distance(beyond) / (cos * speed) + 4.0 * f32::EPSILON * hit.t;
+        let near = Ray {
+            t_min: (hit.t - reach).max(ray.t_min),
+            t_max: (hit.t + reach).next_up().min(ray.t_max),
+            ..*ray
+        };
+        let triangle_ray = TriangleRay::new(&near);
+        let direction = ray.direction.as_dvec3();
+        // How high the ends stand above the surface, and its normal.
+        let ends = [before.as_dvec3(), beyond.as_dvec3()];
+        let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
+        let mut look_at = |primitive: u32| {
+            let surface = match self.primitive(primitive) {
+                Primitive::Triangle(corners) => {
+                    let [a, b, c] = corners;
+                    let met = triangle_ray.intersect(a, b, c);
+                    met.map(|_| plane(a.as_dvec3(), triangle_normal(corners)))
+                }
+                Primitive::Sphere(sphere) => sphere.intersect(&near).map(|t| {
+                    let Sphere { center, radius } = *sphere;
+                    let height = |e: DVec3| e.distance(center.as_dvec3()) - f64::from(radius);
+                    (ends.map(height), sphere.surface_at(&near, t).1)
+                }),
+                Primitive::Disk(disk) => {
+                    let met = disk.intersect(&near);
+                    met.map(|_| plane(disk.center.as_dvec3(), disk.normal()))
+                }
+                Primitive::Custom(custom) => {
+                    custom.intersect(&near).map(|hit| plane(hit.position, hit.normal))
+                }
+            };
+            // Both ends stand on it where it runs through the scene's origin, and no offset moves.
+            if let Some(([start, end], normal)) = surface
+                && start * end <= 0.0
+            {
+                met(primitive, normal.dot(direction) < 0.0);
+            }
+        };
+        dispatch!(self.level, simd => {
+            let Some(boxes) = BoxRay::new(simd, &near) else { return };
+            let packs = PackRay::new(simd, &near, boxes.scale);
+            let mut limit = boxes.limit(f64::from(near.t_max));
+            let root = (Inside::node(0), 0.0);
+            traverse(&self.nodes, &boxes, Order::Any, root, &mut limit, |leaf, limit| {
+                for pack in self.packs_of(leaf.inside).1 {
+                    let mut may = packs.meet(pack, leaf.way, *limit).may.to_bitmask();
+                    while may != 0 {
+                        look_at(self.order[pack.place(may.trailing_zeros() as usize % PACK)]);
+                        may &= may - 1;
+                    }
+                }
+                self.singles_of(leaf).iter().for_each(|number| look_at(*number));
+                false
+            });
+        });
+    }
+}
+
+/// The same direction with length one. Scaled first: squares of tiny areas would vanish.
+fn unit(n: DVec3) -> DVec3 {
+    let n = n / n.abs().max_element();
+    n / n.length()
+}
+
+/// The place of a sphere's normal on a map of the world, both 0 to 1.
+fn longitude_latitude(n: Vec3) -> [f32; 2] {
+    [0.5 + 0.5 * FRAC_1_PI * real::atan2(n.x, n.z), real::acos(-n.y.clamp(-1.0, 1.0)) / PI]
+}
