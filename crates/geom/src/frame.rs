@@ -1,6 +1,9 @@
 //! An orthonormal frame around a direction.
 
 use crate::Vec3;
+use crate::lanes::{Xyz, Xyz8};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 
 /// Three unit vectors at right angles; `z` is the direction it was built around.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +39,46 @@ impl Frame {
     /// This frame's coordinates to the world's.
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
+    }
+}
+
+/// A frame in each lane.
+#[derive(Clone, Copy)]
+pub struct Frames<S: Simd> {
+    /// First tangents.
+    pub x: Xyz8<S>,
+    /// Second tangents.
+    pub y: Xyz8<S>,
+    /// The directions themselves.
+    pub z: Xyz8<S>,
+}
+
+impl<S: Simd> Frames<S> {
+    /// [`Frame::around`] in each lane.
+    #[inline(always)]
+    pub fn around(z: Xyz8<S>) -> Self {
+        let simd = z.x.token();
+        let one = f32x8::splat(simd, 1.0);
+        let sign = one.copysign(z.z);
+        let a = -one / (sign + z.z);
+        let b = z.x * z.y * a;
+        Self {
+            x: Xyz { x: one + sign * z.x * z.x * a, y: sign * b, z: -sign * z.x },
+            y: Xyz { x: b, y: sign + z.y * z.y * a, z: -z.y },
+            z,
+        }
+    }
+
+    /// World coordinates to each frame's.
+    #[inline(always)]
+    pub fn to_local(&self, v: Xyz8<S>) -> Xyz8<S> {
+        Xyz { x: self.x.dot(v), y: self.y.dot(v), z: self.z.dot(v) }
+    }
+
+    /// Each frame's coordinates to the world's.
+    #[inline(always)]
+    pub fn to_world(&self, v: Xyz8<S>) -> Xyz8<S> {
+        self.x.scaled(v.x) + self.y.scaled(v.y) + self.z.scaled(v.z)
     }
 }
 

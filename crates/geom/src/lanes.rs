@@ -118,3 +118,90 @@ pub fn narrow_mask<S: Simd>(m: mask64x8<S>) -> mask32x8<S> {
     let (low, high) = simd.split_mask64x8(m);
     simd.narrow_mask64x4(low, high)
 }
+
+/// Colours, points, directions of eight things in single precision.
+pub type Xyz8<S> = Xyz<f32x8<S>>;
+
+impl<S: Simd> Xyz8<S> {
+    /// The same in each lane.
+    #[inline(always)]
+    pub fn splat(simd: S, v: [f32; 3]) -> Self {
+        Self {
+            x: f32x8::splat(simd, v[0]),
+            y: f32x8::splat(simd, v[1]),
+            z: f32x8::splat(simd, v[2]),
+        }
+    }
+
+    /// From (coordinate, lane).
+    #[inline(always)]
+    pub fn load(simd: S, v: &[[f32; LANES]; 3]) -> Self {
+        Self { x: v[0].simd_into(simd), y: v[1].simd_into(simd), z: v[2].simd_into(simd) }
+    }
+
+    /// As (coordinate, lane).
+    #[inline(always)]
+    pub fn store(self) -> [[f32; LANES]; 3] {
+        [self.x.into(), self.y.into(), self.z.into()]
+    }
+
+    /// One lane.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> [f32; 3] {
+        [self.x[lane], self.y[lane], self.z[lane]]
+    }
+
+    /// `self` where the mask is true.
+    #[inline(always)]
+    pub fn or(self, mask: mask32x8<S>, other: Self) -> Self {
+        Self {
+            x: mask.select(self.x, other.x),
+            y: mask.select(self.y, other.y),
+            z: mask.select(self.z, other.z),
+        }
+    }
+
+    /// Coordinate by coordinate.
+    #[inline(always)]
+    pub fn times(self, o: Self) -> Self {
+        Self { x: self.x * o.x, y: self.y * o.y, z: self.z * o.z }
+    }
+
+    /// The other way.
+    #[inline(always)]
+    pub fn negated(self) -> Self {
+        Self { x: -self.x, y: -self.y, z: -self.z }
+    }
+
+    /// Of length one; as `glam` does it.
+    #[inline(always)]
+    pub fn normalized(self) -> Self {
+        let one = f32x8::splat(self.x.token(), 1.0);
+        self.scaled(one / self.dot(self).sqrt())
+    }
+
+    /// The largest coordinate.
+    #[inline(always)]
+    pub fn largest(self) -> f32x8<S> {
+        self.x.max(self.y).max(self.z)
+    }
+
+    /// Where all coordinates are zero.
+    #[inline(always)]
+    pub fn is_zero(self) -> mask32x8<S> {
+        let zero = f32x8::splat(self.x.token(), 0.0);
+        self.x.simd_eq(zero) & self.y.simd_eq(zero) & self.z.simd_eq(zero)
+    }
+}
+
+/// Of the sign of `sign`.
+#[inline(always)]
+pub fn with_sign<S: Simd>(v: f32x8<S>, sign: f32x8<S>) -> f32x8<S> {
+    v.copysign(sign)
+}
+
+/// The numbers from a function of the lane.
+#[inline(always)]
+pub fn from_lanes<S: Simd>(simd: S, v: [f32; LANES]) -> f32x8<S> {
+    v.simd_into(simd)
+}

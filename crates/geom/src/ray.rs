@@ -1,6 +1,10 @@
 //! A ray, and how the next one leaves a surface.
 
 use crate::Vec3;
+use crate::each;
+use crate::lanes::{Xyz, Xyz8};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, i32x8};
 
 /// The points `origin + t * direction` with `t_min < t < t_max`.
 ///
@@ -69,12 +73,13 @@ pub fn offset_end(position: Vec3, normal: Vec3, from: Vec3) -> Vec3 {
     offset(position, normal, -way, position.abs() + way.abs())
 }
 
+/// Half an ulp for the rounded position, as much again for the rounded
+/// normal and as much for the addition below; doubled for good measure.
+const ROUNDINGS: f32 = 6.0 * f32::EPSILON * 0.5;
+
 /// Moves `position` off along `normal`, to the side of `direction`, by what numbers of the
 /// magnitudes `rounded` may have lost.
 fn offset(position: Vec3, normal: Vec3, direction: Vec3, rounded: Vec3) -> Vec3 {
-    /// Half an ulp for the rounded position, as much again for the rounded
-    /// normal and as much for the addition below; doubled for good measure.
-    const ROUNDINGS: f32 = 6.0 * f32::EPSILON * 0.5;
     let distance = ROUNDINGS * rounded.dot(normal.abs());
     let offset = normal * if normal.dot(direction) < 0.0 { -distance } else { distance };
     let step = |p: f32, o: f32| {
@@ -90,9 +95,92 @@ fn offset(position: Vec3, normal: Vec3, direction: Vec3, rounded: Vec3) -> Vec3 
     Vec3::new(step(position.x, offset.x), step(position.y, offset.y), step(position.z, offset.z))
 }
 
+/// [`offset_origin`] in each lane.
+#[inline(always)]
+pub fn offset_origins<S: Simd>(
+    position: Xyz8<S>,
+    normal: Xyz8<S>,
+    direction: Xyz8<S>,
+) -> Xyz8<S> {
+    offset_each(position, normal, direction, each!(position, p => p.abs()))
+}
+
+/// [`offset_end`] in each lane.
+#[inline(always)]
+pub fn offset_ends<S: Simd>(position: Xyz8<S>, normal: Xyz8<S>, from: Xyz8<S>) -> Xyz8<S> {
+    let way = position - from;
+    let rounded = each!(position, p => p.abs()) + each!(way, w => w.abs());
+    offset_each(position, normal, way.negated(), rounded)
+}
+
+#[inline(always)]
+fn offset_each<S: Simd>(
+    position: Xyz8<S>,
+    normal: Xyz8<S>,
+    direction: Xyz8<S>,
+    rounded: Xyz8<S>,
+) -> Xyz8<S> {
+    let simd = position.x.token();
+    let distance = rounded.dot(each!(normal, n => n.abs())) * ROUNDINGS;
+    let behind = normal.dot(direction).simd_lt(f32x8::splat(simd, 0.0));
+    let offset = normal.scaled(behind.select(-distance, distance));
+    Xyz {
+        x: step(position.x, offset.x),
+        y: step(position.y, offset.y),
+        z: step(position.z, offset.z),
+    }
+}
+
+/// `p + o`, and on to the next number in the direction of `o`.
+#[inline(always)]
+fn step<S: Simd>(p: f32x8<S>, o: f32x8<S>) -> f32x8<S> {
+    let simd = p.token();
+    let moved = p + o;
+    let (zero, still) = (f32x8::splat(simd, 0.0), i32x8::splat(simd, 0));
+    let (up, down) = (i32x8::splat(simd, 1), i32x8::splat(simd, -1));
+    // Away from zero or towards it: the bits count magnitudes.
+    let outwards = o.simd_gt(zero).select(up, o.simd_lt(zero).select(down, still));
+    let outwards = moved.simd_lt(zero).select(still - outwards, outwards);
+    let bits: i32x8<S> = moved.bitcast();
+    let next: f32x8<S> = (bits + outwards).bitcast();
+    let tiny = f32x8::splat(simd, f32::from_bits(1)).copysign(o);
+    let from_zero = moved.simd_eq(zero) & o.simd_ne(zero);
+    from_zero.select(tiny, next)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Eight at once are the same bits as one by one, zeros and all.
+    #[test]
+    fn lanes_are_moved_as_one_is() {
+        let level = fearless_simd::Level::new();
+        let number = |i: u32| {
+            let x = i.wrapping_mul(0x9e37_79b9);
+            let x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d) >> 8;
+            let v = x as f32 / (1 << 23) as f32 - 1.0;
+            if x % 7 == 0 { 0.0 } else { v }
+        };
+        for i in 0..20_000 {
+            let vector = |k: u32| -> [[f32; 8]; 3] {
+                std::array::from_fn(|axis| std::array::from_fn(|lane| {
+                    number(i * 72 + k * 24 + axis as u32 * 8 + lane as u32)
+                }))
+            };
+            let v = [vector(0), vector(1), vector(2)];
+            let (origins, ends) = fearless_simd::dispatch!(level, simd => {
+                let [p, n, d] = v.map(|v| Xyz8::load(simd, &v));
+                (offset_origins(p, n, d).store(), offset_ends(p, n, d).store())
+            });
+            for lane in 0..8 {
+                let at = |v: &[[f32; 8]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+                let [p, n, d] = [at(&v[0]), at(&v[1]), at(&v[2])];
+                assert_eq!(offset_origin(p, n, d), at(&origins), "{p} {n} {d}");
+                assert_eq!(offset_end(p, n, d), at(&ends), "{p} {n} {d}");
+            }
+        }
+    }
 
     /// The origin must stand on the side it leaves to, however far from the
     /// scene's origin: a fixed offset of 2.4e-6 vanished beyond 32 units.

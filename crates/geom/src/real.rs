@@ -17,6 +17,9 @@
 //! Elementary Functions*, 1980; the series are Taylor's, long enough to vanish
 //! below the last bit of the result.
 
+use crate::lanes::{narrow, widen};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, f64x8, i32x8};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, LN_2, LOG2_E, PI};
 
 /// No function here is further from the true value than this, in units in the
@@ -157,14 +160,72 @@ const REDUCED_BELOW: f32 = (1 << 27) as f32;
 const FRAC_PI_2_HIGH: f64 = 1.57079631090164184570;
 const FRAC_PI_2_LOW: f64 = 1.58932547735281966916e-8;
 
+/// [`sin_cos`] in each lane, for |x| < 2²⁷.
+#[inline(always)]
+pub fn sin_cos_lanes<S: Simd>(x: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    let simd = x.token();
+    let zero = f32x8::splat(simd, 0.0);
+    let wide = widen(x);
+    let quarters = nearest_integers(wide * FRAC_2_PI);
+    let r = (wide - quarters * FRAC_PI_2_HIGH) - quarters * FRAC_PI_2_LOW;
+    let r2 = r * r;
+    let s = r * polynomial_lanes(r2, &SIN);
+    let c = polynomial_lanes(r2, &COS);
+    let (s, c) = (narrow(s), narrow(c));
+    // The lowest bits of the shifted number are those of the whole number.
+    let whole: i32x8<S> = narrow(quarters).to_int();
+    let (one, two) = (i32x8::splat(simd, 1), i32x8::splat(simd, 2));
+    let odd = (whole & one).simd_eq(one);
+    let (sin, cos) = (odd.select(c, s), odd.select(s, c));
+    let sin = (whole & two).simd_eq(two).select(-sin, sin);
+    let cos = ((whole + one) & two).simd_eq(two).select(-cos, cos);
+    (x.simd_eq(zero).select(x, sin), cos)
+}
+
+/// [`exp`] in each lane.
+#[inline(always)]
+pub fn exp_lanes<S: Simd>(x: f32x8<S>) -> f32x8<S> {
+    let simd = x.token();
+    let (least, most) = (f64x8::splat(simd, -170.0), f64x8::splat(simd, 170.0));
+    let x = widen(x).max(least).min(most);
+    let k = nearest_integers(x * LOG2_E);
+    let r = (x - k * LN_2_HIGH) - k * LN_2_LOW;
+    let whole: i32x8<S> = narrow(k).to_int();
+    // Two powers, both of less than 128 halvings or doublings, each an ordinary single-precision number: together exact.
+    let half = whole >> 1;
+    let power = widen(powers_of_two(half)) * widen(powers_of_two(whole - half));
+    narrow(polynomial_lanes(r, &EXP) * power)
+}
+
+#[inline(always)]
+fn nearest_integers<S: Simd>(x: f64x8<S>) -> f64x8<S> {
+    (x + SHIFT) - SHIFT
+}
+
+/// 2 to the power of whole numbers between -126 and 127.
+#[inline(always)]
+fn powers_of_two<S: Simd>(k: i32x8<S>) -> f32x8<S> {
+    ((k + 127) << 23).bitcast()
+}
+
+#[inline(always)]
+fn polynomial_lanes<S: Simd, const N: usize>(x: f64x8<S>, c: &[f64; N]) -> f64x8<S> {
+    let mut sum = f64x8::splat(x.token(), 0.0);
+    for &c in c.iter().rev() {
+        sum = sum * x + c;
+    }
+    sum
+}
+
 /// The leading 32 bits of ln 2, and the rest.
 const LN_2_HIGH: f64 = 6.93147180369123816490e-1;
 const LN_2_LOW: f64 = 1.90821492927058770002e-10;
 
-/// The nearest whole number, ties to even, for |x| < 2⁵¹: adding 1.5 · 2⁵²
-/// leaves no room for a fraction.
+/// Adding 1.5 · 2⁵² leaves no room for a fraction.
+const SHIFT: f64 = 6_755_399_441_055_744.0;
+
+/// The nearest whole number, ties to even, for |x| < 2⁵¹.
 fn nearest_integer(x: f64) -> f64 {
-    const SHIFT: f64 = 6_755_399_441_055_744.0;
     (x + SHIFT) - SHIFT
 }
 
@@ -178,6 +239,28 @@ fn polynomial<const N: usize>(x: f64, c: &[f64; N]) -> f64 {
     c.iter().rev().fold(0.0, |sum, &c| sum * x + c)
 }
 
+/// Taylor's series for r up to π/4: what is left out is below 3e-16. The sine's, over r.
+const SIN: [f64; 7] = [
+    1.0,
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+];
+/// The same in r² for the cosine.
+const COS: [f64; 8] = [
+    1.0,
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+];
+
 /// Sine and cosine of |x| < 2²⁷.
 fn sin_cos_f64(x: f64) -> (f64, f64) {
     // Quarter turns off, so that |r| <= π/4.
@@ -185,26 +268,6 @@ fn sin_cos_f64(x: f64) -> (f64, f64) {
     let r = (x - quarters * FRAC_PI_2_HIGH) - quarters * FRAC_PI_2_LOW;
     let r2 = r * r;
 
-    // Taylor: what is left out is below 3e-16.
-    const SIN: [f64; 7] = [
-        1.0,
-        -1.0 / 6.0,
-        1.0 / 120.0,
-        -1.0 / 5040.0,
-        1.0 / 362_880.0,
-        -1.0 / 39_916_800.0,
-        1.0 / 6_227_020_800.0,
-    ];
-    const COS: [f64; 8] = [
-        1.0,
-        -1.0 / 2.0,
-        1.0 / 24.0,
-        -1.0 / 720.0,
-        1.0 / 40_320.0,
-        -1.0 / 3_628_800.0,
-        1.0 / 479_001_600.0,
-        -1.0 / 87_178_291_200.0,
-    ];
     let s = r * polynomial(r2, &SIN);
     let c = polynomial(r2, &COS);
 
@@ -254,22 +317,24 @@ fn angle(y: f64, x: f64) -> f64 {
     if y < 0.0 { -upper } else { upper }
 }
 
+/// The series of the exponential function.
+const EXP: [f64; 12] = [
+    1.0,
+    1.0,
+    1.0 / 2.0,
+    1.0 / 6.0,
+    1.0 / 24.0,
+    1.0 / 120.0,
+    1.0 / 720.0,
+    1.0 / 5040.0,
+    1.0 / 40_320.0,
+    1.0 / 362_880.0,
+    1.0 / 3_628_800.0,
+    1.0 / 39_916_800.0,
+];
+
 /// e to the power of |r| <= ln 2 / 2, by Taylor: what is left out is below 1e-14.
 fn exp_series(r: f64) -> f64 {
-    const EXP: [f64; 12] = [
-        1.0,
-        1.0,
-        1.0 / 2.0,
-        1.0 / 6.0,
-        1.0 / 24.0,
-        1.0 / 120.0,
-        1.0 / 720.0,
-        1.0 / 5040.0,
-        1.0 / 40_320.0,
-        1.0 / 362_880.0,
-        1.0 / 3_628_800.0,
-        1.0 / 39_916_800.0,
-    ];
     polynomial(r, &EXP)
 }
 
@@ -364,6 +429,24 @@ mod tests {
         check("exp2", exp2, f64::exp2);
         check("ln", ln, f64::ln);
         check("log2", log2, f64::log2);
+    }
+
+    #[test]
+    fn lanes_have_the_bits_of_one() {
+        let level = fearless_simd::Level::new();
+        let numbers: Vec<f32> = all_sizes().filter(|x| x.abs() < REDUCED_BELOW).collect();
+        for chunk in numbers.as_chunks::<8>().0 {
+            let (sin, cos, exps): ([f32; 8], [f32; 8], [f32; 8]) =
+                fearless_simd::dispatch!(level, simd => {
+                    let x: f32x8<_> = (*chunk).simd_into(simd);
+                    let (sin, cos) = sin_cos_lanes(x);
+                    (sin.into(), cos.into(), exp_lanes(x).into())
+                });
+            for (lane, &x) in chunk.iter().enumerate() {
+                let one = (super::sin_cos(x).0, super::sin_cos(x).1, super::exp(x));
+                assert_eq!(one, (sin[lane], cos[lane], exps[lane]), "{x:e}");
+            }
+        }
     }
 
     #[test]
