@@ -147,13 +147,13 @@ fn chi_square_z(n: f64, sum: f64) -> f64 {
 mod tests {
     use super::*;
     use rutilant::image::Channel;
-    use rutilant::sampler::{Independent, Sampler};
+    use rutilant::sampler::{Independent, Sampler, Sequence};
 
     /// A picture of 32 × 32 pixels that scatter around 1 by `deviation`, and say so.
     fn picture(seed: u64, mean: impl Fn(usize) -> f64, deviation: f64, said: f64) -> Image {
         // The sum of twelve even numbers less six: a normal score, near enough.
         let score = |i: usize, stream| {
-            let sampler = Independent::new(seed, [i as u32, stream], 0);
+            let sampler = Independent::new(&Sequence::new(seed, 1), [i as u32, stream], 0);
             (0..12).map(|k| f64::from(sampler.d1(k))).sum::<f64>() - 6.0
         };
         let channel = |name: &str, stream| Channel {

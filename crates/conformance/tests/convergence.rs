@@ -8,7 +8,7 @@ use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant::material::Matte;
-use rutilant::sampler::{Independent, Sampler, Sobol};
+use rutilant::sampler::{Independent, Sampler, Sequence, Sobol};
 use rutilant::scene::Scene;
 use rutilant::settings::{Crop, Heuristic, SamplerKind, Settings, Strategy};
 use rutilant::shape::{Object, Shape};
@@ -43,9 +43,10 @@ fn errors<S: Sampler>(
     powers
         .map(|power| {
             let n = 1_u64 << power;
+            let sequence = Sequence::new(5, n);
             let error = |pixel: u32| {
                 let value = |i| {
-                    let u = S::new(5, [pixel % 20, pixel / 20], i).d2(3);
+                    let u = S::new(&sequence, [pixel % 20, pixel / 20], i).d2(3);
                     f(f64::from(u.x), f64::from(u.y))
                 };
                 let mean = (0..n).map(value).sum::<f64>() / n as f64;

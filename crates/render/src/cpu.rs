@@ -7,7 +7,7 @@ use crate::integrator::{
 };
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
-use crate::sampler::{Independent, Sampler, Sobol};
+use crate::sampler::{Independent, Sampler, Sequence, Sobol};
 use crate::settings::{IntegratorKind, SamplerKind, Settings};
 use rutilant_geom::Vec2;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -120,12 +120,13 @@ impl Rendering<'_> {
         camera: &PreparedCamera,
         filter: &FilterSampler,
     ) {
-        let (area, seed) = (tile.area, self.settings.seed);
+        let (area, settings) = (tile.area, self.settings);
+        let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
         let (mut rays, mut paths) = (0, 0);
         for sample in tile.next_sample..until_sample {
             for y in area.y..area.y + area.height {
                 for x in area.x..area.x + area.width {
-                    let sampler = S::new(seed, [x, y], sample);
+                    let sampler = S::new(&sequence, [x, y], sample);
                     let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
                     let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
                     let ray = camera.ray(film, sampler.d2(dimension::LENS));

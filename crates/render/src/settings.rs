@@ -14,6 +14,9 @@ pub struct Settings {
     pub crop: Option<Crop>,
     /// Samples per pixel.
     pub spp: u64,
+    /// With how many samples per pixel the noise of neighbouring pixels shall cancel best; with
+    /// `spp` of them if `None`. A rendering that is continued keeps to what it was started with.
+    pub planned_spp: Option<u64>,
     /// The longest path in segments: 1 is emission seen directly, 2 direct light. Unbounded if `None`.
     pub max_depth: Option<u32>,
     /// What is computed along each path.
@@ -40,6 +43,7 @@ impl Default for Settings {
             size: [800, 600],
             crop: None,
             spp: 64,
+            planned_spp: None,
             max_depth: None,
             integrator: IntegratorKind::Path,
             sampler: SamplerKind::Sobol,

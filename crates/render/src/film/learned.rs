@@ -51,13 +51,13 @@ const DOUBT: f64 = 1.0;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampler::{Independent, Sampler};
+    use crate::sampler::{Independent, Sampler, Sequence};
 
     /// Mean and mean square of a thousand corrected samples, less what they should be on average.
     fn corrected(stream: u32, value: impl Fn(f32, f32) -> f32) -> [f64; 2] {
         let (mut learned, mut sum, mut squares) = (Learned::default(), 0.0, 0.0);
         for i in 0..1000 {
-            let u = Independent::new(9, [stream, 0], i).d2(0);
+            let u = Independent::new(&Sequence::new(9, 1), [stream, 0], i).d2(0);
             let control = 2.0 * u.x - 1.0;
             let value = Spectrum::splat(value(control, u.y));
             let mean = sum / f64::from(i.max(1) as u32);

@@ -50,7 +50,7 @@ mod tests {
     use crate::material::{
         Dielectric, Emission, Material, MaterialKind, Matte, Metal, Mirror, Mix,
     };
-    use crate::sampler::Independent;
+    use crate::sampler::{Independent, Sequence};
     use crate::scene::{MaterialId, Scene};
     use crate::settings::{Heuristic, LightSelection, Roulette, Strategy};
     use crate::shape::{Object, Shape};
@@ -109,7 +109,7 @@ mod tests {
             for y in 0..SIZE {
                 let (mut sum, mut squares) = (0.0, 0.0);
                 for (x, i) in (0..SIZE).flat_map(|x| (0..SAMPLES).map(move |i| (x, i))) {
-                    let sampler = Independent::new(3, [x, y], i);
+                    let sampler = Independent::new(&Sequence::new(3, 1), [x, y], i);
                     let film = Vec2::new(x as f32, y as f32) + sampler.d2(0);
                     let ray = camera.ray(film, Vec2::splat(0.5));
                     let (_, control) = optimal.controlled(&scene, ray, &sampler, &mut 0);

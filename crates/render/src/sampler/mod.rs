@@ -10,7 +10,7 @@ mod numbers;
 mod sobol;
 
 pub use independent::Independent;
-pub use numbers::Sampler;
+pub use numbers::{Sampler, Sequence};
 pub use sobol::Sobol;
 
 #[cfg(test)]
@@ -30,12 +30,12 @@ mod tests {
     #[test]
     fn every_coordinate_matters() {
         fn all_different<S: Sampler>() {
-            let base = S::new(1, [2, 3], 4);
+            let base = S::new(&Sequence::new(1, 16), [2, 3], 4);
             let others = [
-                S::new(0, [2, 3], 4),
-                S::new(1, [3, 2], 4),
-                S::new(1, [2, 3], 5),
-                S::new(1, [2, 3], 4 + (1 << 32)),
+                S::new(&Sequence::new(0, 16), [2, 3], 4),
+                S::new(&Sequence::new(1, 16), [3, 2], 4),
+                S::new(&Sequence::new(1, 16), [2, 3], 5),
+                S::new(&Sequence::new(1, 16), [2, 3], 4 + (1 << 32)),
             ];
             for other in others {
                 assert_ne!(base.d1(7), other.d1(7));

@@ -7,7 +7,7 @@
 use rutilant::color::Spectrum;
 use rutilant::geom::{Frame, Vec2, Vec3, real};
 use rutilant::image::Image;
-use rutilant::sampler::{Independent, Sampler};
+use rutilant::sampler::{Independent, Sampler, Sequence};
 use rutilant::scene::Scene;
 use rutilant::settings::{SamplerKind, Settings};
 use rutilant::{Prepared, Session};
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// Number `i` of a fixed random sequence: a number and a pair, all in [0, 1).
 pub fn random(stream: u64, i: u64) -> (f32, Vec2) {
-    let sampler = Independent::new(stream, [0, 0], i);
+    let sampler = Independent::new(&Sequence::new(stream, 1), [0, 0], i);
     (sampler.d1(0), sampler.d2(0))
 }
 
