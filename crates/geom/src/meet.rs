@@ -5,10 +5,10 @@
 //! among those at the end. For eight rays at once each of these is done for
 //! eight of them.
 
+use crate::with_vectors;
 use crate::bvh::{BoxRay, Inside, Met, Order, PACK, SLACK, Visit, traverse, traverse_packet};
 use crate::custom::CustomHit;
-use crate::each;
-use crate::lanes::{LANES, Xyz, narrow, widen};
+use crate::lanes::LANES;
 use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady};
 use crate::packs::{Pack, PackRay};
 use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
@@ -16,7 +16,7 @@ use crate::triangle::TriangleRay;
 use crate::{Ray, Sphere, Vec3, real};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8, f64x8, mask32x8, u32x8};
+use fearless_simd::{Fallback, Simd, f32x8, mask32x8};
 use glam::DVec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -65,23 +65,39 @@ impl Surfaces {
     /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::default();
-        dispatch!(self.level, simd => self.search_alone(simd, ray, &mut search));
+        with_vectors!(
+            self.level,
+            simd => self.search_alone(simd, ray, &mut search),
+            else self.search_alone(Fallback::new(), ray, &mut search)
+        );
         self.finish(ray, search.nearest?, search.custom)
     }
 
     /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        dispatch!(self.level, simd => self.blocked(simd, ray))
+        with_vectors!(
+            self.level,
+            simd => self.blocked(simd, ray),
+            else self.blocked(Fallback::new(), ray)
+        )
     }
 
     /// What [`closest`](Self::closest) finds for each of eight rays.
     pub fn closest_packet(&self, rays: &RayPacket) -> HitPacket {
-        dispatch!(self.level, simd => self.closest_of(simd, rays))
+        with_vectors!(self.level, simd => self.closest_of(simd, rays), else {
+            let mut hits = HitPacket::NONE;
+            for lane in 0..LANES {
+                hits.set(lane, self.closest(&rays.ray(lane)).as_ref());
+            }
+            hits
+        })
     }
 
     /// Which of eight rays are [`occluded`](Self::occluded), a bit for each.
     pub fn occluded_packet(&self, rays: &RayPacket) -> u32 {
-        dispatch!(self.level, simd => self.blocked_of(simd, rays))
+        with_vectors!(self.level, simd => self.blocked_of(simd, rays), else {
+            (0..LANES).fold(0, |all, i| all | u32::from(self.occluded(&rays.ray(i))) << i)
+        })
     }
 
     #[inline(always)]
@@ -241,7 +257,7 @@ impl Surfaces {
 
     /// Closest hits of eight rays.
     #[inline(always)]
-    pub fn closest_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> HitPacket {
+    fn closest_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> HitPacket {
         let rays = RaysReady::new(simd, packet);
         let mut searches: [Search; LANES] = Default::default();
         let mut limit = rays.limit;
@@ -343,7 +359,7 @@ impl Surfaces {
 
     /// Which of eight rays are blocked.
     #[inline(always)]
-    pub fn blocked_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> u32 {
+    fn blocked_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> u32 {
         let rays = RaysReady::new(simd, packet);
         let mut limit = rays.limit;
         let mut blocked = 0;
@@ -493,7 +509,7 @@ impl Surfaces {
         // How high the ends stand above the surface, and its normal.
         let ends = [before.as_dvec3(), beyond.as_dvec3()];
         let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
-        let mut look_at = |primitive: u32| {
+        self.each_near(&near, &mut |primitive| {
             let surface = match self.primitive(primitive) {
                 Primitive::Triangle(corners) => {
                     let [a, b, c] = corners;
@@ -519,13 +535,32 @@ impl Surfaces {
             {
                 met(primitive, normal.dot(direction) < 0.0);
             }
-        };
-        dispatch!(self.level, simd => {
-            let Some(boxes) = BoxRay::new(simd, &near) else { return };
-            let packs = PackRay::new(simd, &near, boxes.scale);
-            let mut limit = boxes.limit(f64::from(near.t_max));
-            let root = (Inside::node(0), 0.0);
-            traverse(&self.nodes, &boxes, Order::Any, root, &mut limit, |leaf, limit| {
+        });
+    }
+
+    /// Calls `look_at` for every primitive that the ray may meet.
+    fn each_near(&self, ray: &Ray, look_at: &mut dyn FnMut(u32)) {
+        with_vectors!(
+            self.level,
+            simd => self.each_near_with(simd, ray, look_at),
+            else self.each_near_with(Fallback::new(), ray, look_at)
+        );
+    }
+
+    #[inline(always)]
+    fn each_near_with<S: Simd>(&self, simd: S, ray: &Ray, look_at: &mut dyn FnMut(u32)) {
+        let Some(boxes) = BoxRay::new(simd, ray) else { return };
+        let packs = PackRay::new(simd, ray, boxes.scale);
+        let mut limit = boxes.limit(f64::from(ray.t_max));
+        let root = (Inside::node(0), 0.0);
+        traverse(
+            &self.nodes,
+            &boxes,
+            Order::Any,
+            root,
+            &mut limit,
+            #[inline(always)]
+            |leaf, limit| {
                 for pack in self.packs_of(leaf.inside).1 {
                     let mut may = packs.meet(pack, leaf.way, *limit).may.to_bitmask();
                     while may != 0 {
@@ -535,8 +570,8 @@ impl Surfaces {
                 }
                 self.singles_of(leaf).iter().for_each(|number| look_at(*number));
                 false
-            });
-        });
+            },
+        );
     }
 }
 

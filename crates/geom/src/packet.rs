@@ -97,6 +97,16 @@ impl HitPacket {
     /// The number of no primitive.
     pub const NOTHING: u32 = u32::MAX;
 
+    /// No hits.
+    pub const NONE: Self = Self {
+        primitive: [Self::NOTHING; LANES],
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        position: [[0.0; LANES]; 3],
+        normal: [[0.0; LANES]; 3],
+    };
+
     /// What one of the rays met.
     #[inline]
     pub fn hit(&self, lane: usize) -> Option<Hit> {

@@ -3,7 +3,7 @@
 use crate::camera::PreparedCamera;
 use crate::film::{Film, FilterSampler, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, dimension,
+    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, Start, dimension,
 };
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
@@ -27,6 +27,9 @@ impl Counters {
         (self.paths.load(Ordering::Relaxed), self.rays.load(Ordering::Relaxed))
     }
 }
+
+/// So many samples of a tile's pixels are on their way together.
+const SAMPLES_AT_ONCE: u64 = 4;
 
 /// Everything that a rendering reads and writes.
 pub(crate) struct Rendering<'a> {
@@ -123,20 +126,30 @@ impl Rendering<'_> {
         let (area, settings) = (tile.area, self.settings);
         let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
         let (mut rays, mut paths) = (0, 0);
-        for sample in tile.next_sample..until_sample {
-            for y in area.y..area.y + area.height {
-                for x in area.x..area.x + area.width {
-                    let sampler = S::new(&sequence, [x, y], sample);
-                    let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
-                    let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-                    let ray = camera.ray(film, sampler.d2(dimension::LENS));
-                    let (radiance, control) =
-                        integrator.controlled(self.scene, ray, &sampler, &mut rays);
-                    self.film.add(tile, [x, y], sample, radiance * weight, control * weight);
-                    paths += 1;
+        let (mut starts, mut places, mut found) = (Vec::new(), Vec::new(), Vec::new());
+        while tile.next_sample < until_sample {
+            starts.clear();
+            places.clear();
+            found.clear();
+            let run = tile.next_sample..until_sample.min(tile.next_sample + SAMPLES_AT_ONCE);
+            for sample in run.clone() {
+                for y in area.y..area.y + area.height {
+                    for x in area.x..area.x + area.width {
+                        let sampler = S::new(&sequence, [x, y], sample);
+                        let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
+                        let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
+                        let ray = camera.ray(film, sampler.d2(dimension::LENS));
+                        starts.push(Start { ray, sampler });
+                        places.push(([x, y], sample, weight));
+                    }
                 }
             }
-            tile.next_sample = sample + 1;
+            integrator.estimates(self.scene, &starts, &mut found, &mut rays);
+            for (&(pixel, sample, weight), &(radiance, control)) in places.iter().zip(&found) {
+                self.film.add(tile, pixel, sample, radiance * weight, control * weight);
+            }
+            paths += starts.len() as u64;
+            tile.next_sample = run.end;
         }
         self.counters.rays.fetch_add(rays, Ordering::Relaxed);
         self.counters.paths.fetch_add(paths, Ordering::Relaxed);

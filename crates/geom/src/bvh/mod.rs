@@ -18,4 +18,4 @@ pub use build::BuildOptions;
 pub use built::{BuildReport, LeftOut};
 pub use node::{Content, Node, Siblings};
 pub(crate) use traverse::{BoxRay, BoxRays, Met, Order, SLACK, Visit, traverse, traverse_packet};
-pub(crate) use wide::{Inside, PACK, WIDTH, WideNode, report, widened};
+pub(crate) use wide::{Inside, PACK, WideNode, report, widened};

@@ -8,11 +8,13 @@ mod emission;
 mod estimate;
 mod naive;
 mod optimal;
+mod packet;
 mod path;
 
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
 pub(crate) use direct::Direct;
 pub(crate) use estimate::Integrator;
+pub(crate) use packet::Start;
 pub(crate) use naive::Naive;
 pub(crate) use optimal::Optimal;
 pub(crate) use path::Path;

@@ -7,7 +7,7 @@ use super::point::PointEmitter;
 use super::sample::{EmitterSample, Glow};
 use super::sphere::SphereEmitter;
 use super::spot::SpotEmitter;
-use super::triangle::{ParallelogramEmitter, TriangleEmitter};
+use super::triangle::{FlatEmitter, ParallelogramEmitter, TriangleEmitter};
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
 
@@ -73,6 +73,22 @@ impl Emitter {
             Self::Disk(e) => Some(e.glow()),
             Self::Sphere(e) => Some(&e.glow),
             Self::Custom(glow) => Some(glow),
+        }
+    }
+
+    /// A triangle or a parallelogram.
+    #[inline]
+    pub(crate) fn flat(&self) -> Option<&FlatEmitter> {
+        match self {
+            Self::Triangle(e) => Some(e.flat()),
+            Self::Parallelogram(e) => Some(e.flat()),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Distant(_)
+            | Self::Disk(_)
+            | Self::Sphere(_)
+            | Self::Environment(_)
+            | Self::Custom(_) => None,
         }
     }
 
