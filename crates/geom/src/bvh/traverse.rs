@@ -116,7 +116,7 @@ impl Waiting {
     }
 }
 
-/// What is still to be visited by eight rays, and where each enters it; infinity where one does not.
+/// What is still to be visited by eight rays, and where each enters it; no number where one does not.
 #[derive(Clone, Copy)]
 pub(crate) struct WaitingPacket {
     pub(crate) inside: Inside,
@@ -136,7 +136,7 @@ pub(crate) fn traverse_packet<S: Simd>(
     mut each: impl FnMut(Visit<S>, &mut f32x8<S>),
 ) {
     let simd = boxes.simd;
-    let infinity = f32x8::splat(simd, f32::INFINITY);
+    let nowhere = f32x8::splat(simd, f32::NAN);
     let mut stack = ArrayVec::<WaitingPacket, { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
     let mut next = WaitingPacket { inside: Inside::node(0), enter: boxes.start.into() };
     loop {
@@ -159,7 +159,7 @@ pub(crate) fn traverse_packet<S: Simd>(
                 let met = met & active;
                 if met.any_true() {
                     let key = enter[lead];
-                    let enter: [f32; LANES] = met.select(enter, infinity).into();
+                    let enter: [f32; LANES] = met.select(enter, nowhere).into();
                     let mut at = keys.len();
                     keys.push(key);
                     stack.push(WaitingPacket { inside: node.inside[child], enter });

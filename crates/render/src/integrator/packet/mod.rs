@@ -38,6 +38,7 @@ use rutilant_geom::{Frames, Vec3, offset_origins};
 
 impl Path {
     /// The radiance that each start brings, in their order.
+    #[inline(always)]
     pub(super) fn trace_all<S: Simd, N: Sampler>(
         &self,
         simd: S,
