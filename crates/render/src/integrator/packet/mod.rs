@@ -154,7 +154,7 @@ impl Path {
                     met.cross(lane, wo_local.z[lane] > 0.0, media);
                 }
             }
-            gain = crossed.select(gain * sample.eta * sample.eta, gain);
+            gain = crossed.select(gain * (sample.eta * sample.eta), gain);
             paths.density_gain = gain.into();
         }
 
