@@ -31,6 +31,9 @@ pub struct RayPacket {
     pub t_min: [f32; LANES],
     /// As in [`Ray`].
     pub t_max: [f32; LANES],
+    /// The triangle that each ray starts on and leaves, so that it need not be met again;
+    /// [`HitPacket::NOTHING`] if none, or if it is not known: what is found is the same.
+    pub leaves: [u32; LANES],
 }
 
 impl RayPacket {
@@ -40,6 +43,7 @@ impl RayPacket {
         direction: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
         t_min: [0.0; LANES],
         t_max: [-1.0; LANES],
+        leaves: [HitPacket::NOTHING; LANES],
     };
 
     /// Up to eight rays.
@@ -60,6 +64,7 @@ impl RayPacket {
         }
         self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
+        self.leaves[lane] = HitPacket::NOTHING;
     }
 
     /// One of them.
@@ -141,6 +146,7 @@ pub(crate) struct RaysReady<S: Simd> {
     /// Nothing beyond this matters, in the units of the boxes.
     pub(crate) limit: f32x8<S>,
     end: f32x8<S>,
+    leaves: u32x8<S>,
     /// The shear of `triangle.rs`, and the scale along the ray.
     shear: Xyz<f32x8<S>>,
     /// The same as the rows of a matrix.
@@ -257,6 +263,7 @@ impl<S: Simd> RaysReady<S> {
             boxes,
             limit,
             end: t_max * scale,
+            leaves: rays.leaves.simd_into(simd),
             shear: Xyz { x, y, z },
             rows: [
                 Xyz {
@@ -297,6 +304,13 @@ impl<S: Simd> RaysReady<S> {
             z: f32x8::splat(simd, v[2][lane]),
         } - self.boxes.origin;
         Xyz { x: p.dot(self.rows[0]), y: p.dot(self.rows[1]), z: p.dot(self.rows[2]) }
+    }
+
+    /// The rays that start on a triangle and leave it.
+    #[inline(always)]
+    pub(crate) fn leaving(&self, primitive: u32) -> u32 {
+        let number = u32x8::splat(self.boxes.simd, primitive);
+        self.leaves.simd_eq(number).to_bitmask() as u32
     }
 
     /// Sorts out one triangle for all rays, which enter its leaf's box at `enter`.

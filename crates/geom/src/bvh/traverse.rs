@@ -9,7 +9,8 @@
 //! slack than its 2γ(3), for the last culling by a distance that was rounded.
 
 use super::binary::MAX_DEPTH;
-use super::wide::{Inside, WIDTH, WideNode};
+use super::wide::{Inside, PACK, WIDTH, WideNode};
+use crate::packs::Pack;
 use crate::{Ray, Vec3};
 use crate::lanes::{LANES, Xyz};
 use arrayvec::ArrayVec;
@@ -77,7 +78,7 @@ pub(crate) fn traverse<S: Simd>(
                 continue;
             }
         } else {
-            let met = Met { inside: next.inside(), way: boxes.way(next.enter()) };
+            let met = Met { inside: next.inside(), way: way(next.enter()) };
             if leaf(met, limit) {
                 return;
             }
@@ -188,11 +189,16 @@ pub(crate) struct Visit<S: Simd> {
 }
 
 impl<S: Simd> Visit<S> {
-    /// Whether there are enough rays to meet the triangles of so many packs together.
+    /// Whether there are enough rays to meet the triangles of a leaf together, one after the other,
+    /// instead of each ray whole packs.
     #[inline(always)]
-    pub(crate) fn together(&self, packs: usize) -> bool {
-        let rays = self.mask.count_ones() as usize;
-        self.inside.as_node().is_none() && packs > 0 && 3 * rays > 2 * packs
+    pub(crate) fn together(&self, packs: &[Pack]) -> bool {
+        let Some(last) = packs.last() else { return false };
+        let triangles = (packs.len() - 1) * PACK + last.len();
+        // About so many instructions each takes.
+        const EACH: usize = 90;
+        const ALONE: usize = 60;
+        triangles * EACH <= self.mask.count_ones() as usize * (packs.len() * EACH + ALONE)
     }
 }
 
@@ -315,19 +321,20 @@ impl<S: Simd> BoxRay<S> {
         let met = enter.simd_le(less(exit * SLACK, f32x8::splat(simd, limit)));
         (met.to_bitmask() as u32, enter.into())
     }
+}
 
-    /// A box that is entered beyond this holds no hit before `reach`, a ray's `t`.
-    #[inline(always)]
-    pub(crate) fn limit(&self, reach: f64) -> f32 {
-        (reach * f64::from(self.scale)) as f32 * SLACK
-    }
+/// A box that is entered beyond this holds no hit before `reach`, a ray's `t`. `scale` is that of
+/// the [`BoxRay`].
+#[inline(always)]
+pub(crate) fn limit_of(reach: f64, scale: f32) -> f32 {
+    (reach * f64::from(scale)) as f32 * SLACK
+}
 
-    /// How far along any axis the ray comes until `enter`.
-    #[inline(always)]
-    fn way(&self, enter: f32) -> f32 {
-        // The scaled direction is shorter than two along each axis.
-        2.0 * SLACK * enter
-    }
+/// How far along any axis a ray comes until `enter`.
+#[inline(always)]
+pub(crate) fn way(enter: f32) -> f32 {
+    // The scaled direction is shorter than two along each axis.
+    2.0 * SLACK * enter
 }
 
 #[inline(always)]

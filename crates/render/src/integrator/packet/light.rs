@@ -115,8 +115,8 @@ impl Path {
         // Nothing may be in its way, on the side that it comes from.
         let beyond = (surface.wo_local.z * wi.z).simd_lt(zero);
         let mut origin = from;
+        let side = surface.wo.negated().or(translucent & beyond, surface.wo);
         if met.translucent & worth_it != 0 {
-            let side = surface.wo.negated().or(beyond, surface.wo);
             let on_surface = offset_origins(surface.position, surface.normal, side);
             origin = on_surface.or(translucent, from);
         }
@@ -129,6 +129,7 @@ impl Path {
             direction: ways.wi.or(endless, way).store(),
             t_min: [0.0; LANES],
             t_max: asked.select(endless.select(infinity, one), -one).into(),
+            leaves: met.left(surface.normal, side, ways.wi),
         };
         *rays += u64::from(worth_it.count_ones());
         let free = worth_it & !scene.surfaces().occluded_packet(&shadow);

@@ -4,8 +4,9 @@ use crate::color::Spectrum;
 use crate::integrator::emission::SeenEmission;
 use crate::medium::Media;
 use crate::prepare::{Prepared, PreparedMaterial, Scattering};
-use fearless_simd::{Simd, f32x8};
-use rutilant_geom::lanes::LANES;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, u32x8};
+use rutilant_geom::lanes::{LANES, Xyz8};
 use rutilant_geom::{HitPacket, RayPacket, Vec3};
 
 /// Where eight paths met surfaces. Arrays are (coordinate, path); sets have a bit for each path.
@@ -15,6 +16,7 @@ pub(super) struct MetPacket<'p> {
     pub(super) shading_normal: [[f32; LANES]; 3],
     pub(super) smooth_position: [[f32; LANES]; 3],
     pub(super) distance: [f32; LANES],
+    primitive: [u32; LANES],
     pub(super) materials: [Option<&'p PreparedMaterial>; LANES],
     emitters: [Option<u32>; LANES],
     /// What absorbs on the side that the path comes from, in 1/m; and beyond.
@@ -49,6 +51,7 @@ impl<'p> MetPacket<'p> {
             shading_normal: hits.normal,
             smooth_position: hits.position,
             distance: hits.t,
+            primitive: hits.primitive,
             materials: [None; LANES],
             emitters: [None; LANES],
             absorption: [[0.0; LANES]; 3],
@@ -118,6 +121,24 @@ impl<'p> MetPacket<'p> {
             self.shading_normal[axis][lane] = at.shading.z[axis];
             self.smooth_position[axis][lane] = at.smooth_position()[axis];
         }
+    }
+
+    /// The surfaces that rays do not meet again: they start on this side of them and go there.
+    #[inline(always)]
+    pub(super) fn left<S: Simd>(
+        &self,
+        normal: Xyz8<S>,
+        side: Xyz8<S>,
+        direction: Xyz8<S>,
+    ) -> [u32; LANES] {
+        /// A direction nearer to the surface than this may be on either side of it.
+        const CLEARLY: f32 = 1e-5;
+        let simd = normal.x.token();
+        let cos = normal.dot(direction);
+        let up = (normal.dot(side) * cos).simd_gt(f32x8::splat(simd, 0.0));
+        let leaves = up & cos.abs().simd_gt(f32x8::splat(simd, CLEARLY));
+        let nothing = u32x8::splat(simd, HitPacket::NOTHING);
+        leaves.select(self.primitive.simd_into(simd), nothing).into()
     }
 
     /// Light that starts at a surface, towards `wo`.

@@ -135,12 +135,10 @@ impl Path {
         let crossed = sample.valid & (sample.wi.z * wo_local.z).simd_lt(f32x8::splat(simd, 0.0));
         let crossed_bits = bits(crossed);
         let on_surface = crossed | sample.delta | mask(simd, met.translucent);
-        let origin = offset_origins(
-            position.or(on_surface, surface.smooth),
-            normal,
-            wo.negated().or(crossed, wo),
-        );
+        let side = wo.negated().or(crossed, wo);
+        let origin = offset_origins(position.or(on_surface, surface.smooth), normal, side);
         let direction = frame.to_world(sample.wi).normalized();
+        paths.rays.leaves = met.left(normal, side, direction);
         paths.rays.origin = origin.store();
         paths.rays.direction = direction.store();
         paths.rays.t_min = [0.0; LANES];

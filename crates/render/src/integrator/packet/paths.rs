@@ -81,6 +81,7 @@ impl<N: Sampler> PathPacket<N> {
         }
         self.rays.t_min[lane] = other.rays.t_min[from];
         self.rays.t_max[lane] = other.rays.t_max[from];
+        self.rays.leaves[lane] = other.rays.leaves[from];
         self.pdf[lane] = other.pdf[from];
         self.density_gain[lane] = other.density_gain[from];
         self.slot[lane] = other.slot[from];
