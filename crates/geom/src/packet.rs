@@ -55,6 +55,12 @@ impl RayPacket {
         packet
     }
 
+    /// Whether there is a ray.
+    #[inline]
+    pub fn is_there(&self, lane: usize) -> bool {
+        self.t_min[lane] < self.t_max[lane]
+    }
+
     /// Puts a ray in its place.
     #[inline]
     pub fn set(&mut self, lane: usize, ray: &Ray) {

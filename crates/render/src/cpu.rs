@@ -3,13 +3,16 @@
 use crate::camera::PreparedCamera;
 use crate::film::{Film, FilterSampler, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, Start, dimension,
+    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, Starts, dimension,
 };
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
 use crate::sampler::{Independent, Sampler, Sequence, Sobol};
 use crate::settings::{IntegratorKind, SamplerKind, Settings};
-use rutilant_geom::Vec2;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+use rutilant_geom::lanes::LANES;
+use rutilant_geom::{RayPacket, Vec2, with_vectors};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 /// What has been done so far, counted by all threads.
@@ -126,32 +129,105 @@ impl Rendering<'_> {
         let (area, settings) = (tile.area, self.settings);
         let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
         let (mut rays, mut paths) = (0, 0);
-        let (mut starts, mut places, mut found) = (Vec::new(), Vec::new(), Vec::new());
+        let mut starts = Vec::<Starts<S>>::new();
+        let (mut weights, mut found) = (Vec::new(), Vec::new());
         while tile.next_sample < until_sample {
+            let until = until_sample.min(tile.next_sample + SAMPLES_AT_ONCE);
+            let samples = tile.next_sample..until;
+            let places = samples.flat_map(|sample| {
+                let rows = area.y..area.y + area.height;
+                let pixels = rows.flat_map(|y| (area.x..area.x + area.width).map(move |x| [x, y]));
+                pixels.map(move |pixel| (pixel, sample))
+            });
+            let places: Vec<([u32; 2], u64)> = places.collect();
             starts.clear();
-            places.clear();
+            weights.clear();
             found.clear();
-            let run = tile.next_sample..until_sample.min(tile.next_sample + SAMPLES_AT_ONCE);
-            for sample in run.clone() {
-                for y in area.y..area.y + area.height {
-                    for x in area.x..area.x + area.width {
-                        let sampler = S::new(&sequence, [x, y], sample);
-                        let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
-                        let film = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + offset;
-                        let ray = camera.ray(film, sampler.d2(dimension::LENS));
-                        starts.push(Start { ray, sampler });
-                        places.push(([x, y], sample, weight));
-                    }
+            with_vectors!(
+                self.scene.surfaces().level(),
+                simd => for places in places.chunks(LANES) {
+                    let (start, weight) = starts_of(simd, &sequence, camera, filter, places);
+                    starts.push(start);
+                    weights.push(weight);
+                },
+                else for places in places.chunks(LANES) {
+                    let (start, weight) = starts_one_by_one(&sequence, camera, filter, places);
+                    starts.push(start);
+                    weights.push(weight);
                 }
-            }
+            );
             integrator.estimates(self.scene, &starts, &mut found, &mut rays);
-            for (&(pixel, sample, weight), &(radiance, control)) in places.iter().zip(&found) {
+            let weights = weights.iter().flatten();
+            for ((&(pixel, sample), &(radiance, control)), &weight) in
+                places.iter().zip(&found).zip(weights)
+            {
                 self.film.add(tile, pixel, sample, radiance * weight, control * weight);
             }
-            paths += starts.len() as u64;
-            tile.next_sample = run.end;
+            paths += places.len() as u64;
+            tile.next_sample = until;
         }
         self.counters.rays.fetch_add(rays, Ordering::Relaxed);
         self.counters.paths.fetch_add(paths, Ordering::Relaxed);
     }
+}
+
+/// Where the paths of up to eight samples of pixels start, and how much each counts.
+#[inline(always)]
+fn starts_of<V: Simd, S: Sampler>(
+    simd: V,
+    sequence: &Sequence,
+    camera: &PreparedCamera,
+    filter: &FilterSampler,
+    places: &[([u32; 2], u64)],
+) -> (Starts<S>, [f32; LANES]) {
+    let ([x, y], samplers) = samplers_of(sequence, places);
+    let (offset, weight) = filter.sample_all(S::d2_of(simd, &samplers, dimension::FILM));
+    let (x, y): (f32x8<V>, f32x8<V>) = (x.simd_into(simd), y.simd_into(simd));
+    let lens = if camera.has_lens() {
+        S::d2_of(simd, &samplers, dimension::LENS)
+    } else {
+        [f32x8::splat(simd, 0.0); 2]
+    };
+    let mut rays = camera.rays([x + offset[0], y + offset[1]], lens);
+    for lane in places.len()..LANES {
+        rays.t_max[lane] = RayPacket::NONE.t_max[lane];
+    }
+    (Starts { rays, samplers }, weight)
+}
+
+/// The same without vector instructions.
+fn starts_one_by_one<S: Sampler>(
+    sequence: &Sequence,
+    camera: &PreparedCamera,
+    filter: &FilterSampler,
+    places: &[([u32; 2], u64)],
+) -> (Starts<S>, [f32; LANES]) {
+    let ([x, y], samplers) = samplers_of::<S>(sequence, places);
+    let (mut rays, mut weights) = (RayPacket::NONE, [0.0; LANES]);
+    for lane in 0..places.len() {
+        let sampler = &samplers[lane];
+        let (offset, weight) = filter.sample(sampler.d2(dimension::FILM));
+        let lens = if camera.has_lens() { sampler.d2(dimension::LENS) } else { Vec2::ZERO };
+        rays.set(lane, &camera.ray(Vec2::new(x[lane], y[lane]) + offset, lens));
+        weights[lane] = weight;
+    }
+    (Starts { rays, samplers }, weights)
+}
+
+/// The middles of the pixels, and the numbers of their samples.
+#[inline(always)]
+fn samplers_of<S: Sampler>(
+    sequence: &Sequence,
+    places: &[([u32; 2], u64)],
+) -> ([[f32; LANES]; 2], [S; LANES]) {
+    let mut middles = [[0.0; LANES]; 2];
+    let (first, sample) = places[0];
+    let mut samplers = [S::new(sequence, first, sample); LANES];
+    for (lane, &(pixel, sample)) in places.iter().enumerate().take(LANES) {
+        for (middle, at) in middles.iter_mut().zip(pixel) {
+            middle[lane] = at as f32 + 0.5;
+        }
+        samplers[lane] = S::new(sequence, pixel, sample);
+    }
+    (middles, samplers)
 }

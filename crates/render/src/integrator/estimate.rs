@@ -2,7 +2,7 @@
 
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
-use super::packet::Start;
+use super::packet::Starts;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;
 
@@ -18,17 +18,26 @@ pub(crate) trait Integrator: Sync {
         rays: &mut u64,
     ) -> Spectrum;
 
-    /// The radiance that each start brings, in their order, and a number as from
-    /// [`controlled`](Self::controlled).
+    /// What [`controlled`](Self::controlled) gives for each start, eight for each packet, in their
+    /// order.
     fn estimates<S: Sampler>(
         &self,
         scene: &Prepared,
-        starts: &[Start<S>],
+        starts: &[Starts<S>],
         found: &mut Vec<(Spectrum, f32)>,
         rays: &mut u64,
     ) {
-        let all = starts.iter().map(|s| self.controlled(scene, s.ray, &s.sampler, rays));
-        found.extend(all);
+        for starts in starts {
+            for (lane, sampler) in starts.samplers.iter().enumerate() {
+                let there = starts.rays.is_there(lane);
+                let ray = starts.rays.ray(lane);
+                found.push(if there {
+                    self.controlled(scene, ray, sampler, rays)
+                } else {
+                    (Spectrum::BLACK, 0.0)
+                });
+            }
+        }
     }
 
     /// The same radiance, and a number whose mean is zero and whose noise the radiance may share,

@@ -14,7 +14,7 @@ use super::control::Control;
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
-use super::packet::Start;
+use super::packet::Starts;
 use crate::color::Spectrum;
 use crate::follow::{follow, transmittance};
 use crate::interaction::SurfaceInteraction;
@@ -22,6 +22,7 @@ use crate::light::EmitterSelection;
 use crate::prepare::{Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
 use crate::settings::{Heuristic, Roulette, Strategy};
+use rutilant_geom::lanes::LANES;
 use rutilant_geom::{Ray, Vec3, with_vectors};
 
 /// Path tracing with light and BSDF sampling.
@@ -56,19 +57,23 @@ impl Integrator for Path {
     fn estimates<S: Sampler>(
         &self,
         scene: &Prepared,
-        starts: &[Start<S>],
+        starts: &[Starts<S>],
         found: &mut Vec<(Spectrum, f32)>,
         rays: &mut u64,
     ) {
-        let mut radiance = vec![Spectrum::BLACK; starts.len()];
+        let mut radiance = vec![Spectrum::BLACK; starts.len() * LANES];
         let together = scene.is_plain()
             && with_vectors!(scene.surfaces().level(), simd => {
                 self.trace_all(simd, scene, starts, &mut radiance, rays);
                 true
             }, else false);
         if !together {
-            for (radiance, start) in radiance.iter_mut().zip(starts) {
-                *radiance = self.radiance(scene, start.ray, &start.sampler, rays);
+            for (i, radiance) in radiance.iter_mut().enumerate() {
+                let (starts, lane) = (&starts[i / LANES], i % LANES);
+                if starts.rays.is_there(lane) {
+                    let ray = starts.rays.ray(lane);
+                    *radiance = self.radiance(scene, ray, &starts.samplers[lane], rays);
+                }
             }
         }
         found.extend(radiance.into_iter().map(|radiance| (radiance, 0.0)));

@@ -18,7 +18,7 @@ mod met;
 mod paths;
 mod scatter;
 
-pub(crate) use paths::Start;
+pub(crate) use paths::Starts;
 
 use super::Path;
 use crate::color::Spectrum;
@@ -37,13 +37,13 @@ use rutilant_geom::lanes::{LANES, Xyz8};
 use rutilant_geom::{Frames, Vec3, offset_origins};
 
 impl Path {
-    /// The radiance that each start brings, in their order.
+    /// The radiance that each start brings, eight for each packet, in their order.
     #[inline(always)]
     pub(super) fn trace_all<S: Simd, N: Sampler>(
         &self,
         simd: S,
         scene: &Prepared,
-        starts: &[Start<N>],
+        starts: &[Starts<N>],
         radiance: &mut [Spectrum],
         rays: &mut u64,
     ) {

@@ -6,13 +6,14 @@ use crate::medium::Media;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::lanes::LANES;
-use rutilant_geom::{Ray, RayPacket};
+use rutilant_geom::RayPacket;
 
-/// Where a path starts: a ray of unit direction, and the numbers that are drawn along it.
+/// Where eight paths start: rays of unit direction, and the numbers that are drawn along them. A
+/// ray that is not there starts none.
 #[derive(Clone, Copy)]
-pub(crate) struct Start<N> {
-    pub(crate) ray: Ray,
-    pub(crate) sampler: N,
+pub(crate) struct Starts<N> {
+    pub(crate) rays: RayPacket,
+    pub(crate) samplers: [N; LANES],
 }
 
 /// Eight paths; those whose ray is not there have ended.
@@ -34,14 +35,19 @@ impl<N: Sampler> PathPacket<N> {
     /// The density of a direction in which light sampling could not have found what is met.
     pub(super) const UNFINDABLE: f32 = -1.0;
 
-    fn new(sampler: N) -> Self {
+    #[inline(always)]
+    fn new(starts: &Starts<N>, number: usize) -> Self {
+        let mut slot = [0; LANES];
+        for (lane, slot) in slot.iter_mut().enumerate() {
+            *slot = (number * LANES + lane) as u32;
+        }
         Self {
-            rays: RayPacket::NONE,
+            rays: starts.rays,
             throughput: [[1.0; LANES]; 3],
             pdf: [Self::UNFINDABLE; LANES],
             density_gain: [1.0; LANES],
-            slot: [0; LANES],
-            samplers: [sampler; LANES],
+            slot,
+            samplers: starts.samplers,
         }
     }
 
@@ -97,19 +103,10 @@ pub(super) struct Paths<N> {
 }
 
 impl<N: Sampler> Paths<N> {
-    pub(super) fn new(starts: &[Start<N>], scene: &Prepared) -> Self {
-        let mut packets = Vec::with_capacity(starts.len().div_ceil(LANES));
-        for (i, chunk) in starts.chunks(LANES).enumerate() {
-            let mut packet = PathPacket::new(chunk[0].sampler);
-            for (lane, start) in chunk.iter().enumerate() {
-                packet.rays.set(lane, &start.ray);
-                packet.samplers[lane] = start.sampler;
-                packet.slot[lane] = (i * LANES + lane) as u32;
-            }
-            packets.push(packet);
-        }
-        let bordered = if scene.has_borders() { starts.len() } else { 0 };
-        Self { packets, media: vec![scene.camera_media(); bordered] }
+    pub(super) fn new(starts: &[Starts<N>], scene: &Prepared) -> Self {
+        let packets = starts.iter().enumerate().map(|(i, starts)| PathPacket::new(starts, i));
+        let bordered = if scene.has_borders() { starts.len() * LANES } else { 0 };
+        Self { packets: packets.collect(), media: vec![scene.camera_media(); bordered] }
     }
 
     /// Puts the last paths in the places of those that have ended, so that packets are full.
