@@ -8,7 +8,7 @@ use crate::integrator::{
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
 use crate::sampler::{Independent, Sampler, Sequence, Sobol};
-use crate::settings::{IntegratorKind, SamplerKind, Settings};
+use crate::settings::{IntegratorKind, SamplerKind, Settings, Strategy};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 use rutilant_geom::lanes::LANES;
@@ -51,17 +51,19 @@ impl Rendering<'_> {
     pub(crate) fn run(&self, next_pass: impl FnMut() -> Option<u64>) {
         let settings = self.settings;
         let max_depth = settings.max_depth.unwrap_or(u32::MAX);
-        let selection = || {
-            EmitterSelection::new(
-                settings.light_selection,
-                self.scene.emitters(),
-                self.scene.radius(),
-            )
-        };
+        let (kind, emitters) = (settings.light_selection, self.scene.emitters());
+        let radius = self.scene.radius();
         match settings.integrator {
             IntegratorKind::Path => {
                 let path = Path {
-                    selection: selection(),
+                    selection: match settings.strategy {
+                        Strategy::Both => {
+                            EmitterSelection::beside_scattering(kind, emitters, radius)
+                        }
+                        Strategy::BsdfOnly | Strategy::LightOnly => {
+                            EmitterSelection::new(kind, emitters, radius)
+                        }
+                    },
                     strategy: settings.strategy,
                     heuristic: settings.heuristic,
                     roulette: settings.roulette,
@@ -74,7 +76,7 @@ impl Rendering<'_> {
                 }
             }
             IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }),
-            IntegratorKind::Direct => self.run_with(next_pass, &Direct { selection: selection() }),
+            IntegratorKind::Direct => self.run_with(next_pass, &Direct { selection: EmitterSelection::new(kind, emitters, radius) }),
             IntegratorKind::AmbientOcclusion => self.run_with(next_pass, &AmbientOcclusion),
             IntegratorKind::Normals => self.run_with(next_pass, &Normals),
             IntegratorKind::Albedo => self.run_with(next_pass, &Albedo),

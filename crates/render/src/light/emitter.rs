@@ -121,6 +121,11 @@ impl Emitter {
         }
     }
 
+    /// True for light that comes from everywhere alike.
+    pub(crate) fn is_even_sky(&self) -> bool {
+        matches!(self, Self::Environment(sky) if sky.is_even())
+    }
+
     /// True for lights that a ray can run into.
     pub(crate) fn can_be_met(&self) -> bool {
         match self {
