@@ -5,7 +5,6 @@
 //! among those at the end. For eight rays at once each of these is done for
 //! eight of them.
 
-use crate::with_vectors;
 use crate::bvh::{
     BoxRay, Inside, Met, Order, PACK, SLACK, Visit, limit_of, traverse, traverse_packet, way,
 };
@@ -15,6 +14,7 @@ use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady};
 use crate::packs::{Pack, PackRay};
 use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
 use crate::triangle::TriangleRay;
+use crate::with_vectors;
 use crate::{Ray, Sphere, Vec3, real};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
@@ -329,7 +329,14 @@ impl Surfaces {
                         let (search, packs) = (&mut searches[lane], rays.packs(packet, lane));
                         let way = way(visit.enter[lane]);
                         let ray = packet.ray(lane);
-                        self.search_packs(&packs, &ray, way, (first, all), &mut limit[lane], search);
+                        self.search_packs(
+                            &packs,
+                            &ray,
+                            way,
+                            (first, all),
+                            &mut limit[lane],
+                            search,
+                        );
                     }
                 } else {
                     for (i, pack) in all.iter().enumerate() {
@@ -431,9 +438,8 @@ impl Surfaces {
             #[inline(always)]
             |visit: Visit<S>, limit| {
                 let (first, all) = self.packs_of(visit.inside);
-                let together = visit.inside.as_node().is_none()
-                    && !all.is_empty()
-                    && visit.together(all);
+                let together =
+                    visit.inside.as_node().is_none() && !all.is_empty() && visit.together(all);
                 if !together {
                     for lane in lanes_of(visit.mask) {
                         let from = (visit.inside, visit.enter[lane]);

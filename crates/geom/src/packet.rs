@@ -231,10 +231,8 @@ impl<S: Simd> RaysReady<S> {
         // Boxes.
         let size = each!(direction, d => d.abs());
         let longest = size.x.max(size.y).max(size.z);
-        let there = is_finite(origin)
-            & is_finite(direction)
-            & longest.simd_gt(zero)
-            & t_min.simd_lt(t_max);
+        let there =
+            is_finite(origin) & is_finite(direction) & longest.simd_gt(zero) & t_min.simd_lt(t_max);
         let bits: u32x8<S> = longest.bitcast();
         let scale: f32x8<S> =
             (bits & u32x8::splat(simd, 0x7f80_0000)).max(u32x8::splat(simd, 1 << 23)).bitcast();
@@ -328,11 +326,8 @@ impl<S: Simd> RaysReady<S> {
         enter: f32x8<S>,
         limit: f32x8<S>,
     ) -> Sorted<f32x8<S>, mask32x8<S>> {
-        let corners = [
-            self.sheared(pack, 0, lane),
-            self.sheared(pack, 1, lane),
-            self.sheared(pack, 2, lane),
-        ];
+        let corners =
+            [self.sheared(pack, 0, lane), self.sheared(pack, 1, lane), self.sheared(pack, 2, lane)];
         let edge = f32x8::splat(self.boxes.simd, pack.edges[lane]);
         let way = enter * (2.0 * SLACK) + pack.extent;
         sort_out(corners, edge, way, Reach { start: self.boxes.start, end: self.end, limit })
@@ -349,16 +344,12 @@ impl<S: Simd> RaysReady<S> {
         let simd = self.boxes.simd;
         let nil = f64x8::splat(simd, 0.0);
         let ray = &self.exact;
-        let single =
-            [load(simd, &corners[0]), load(simd, &corners[1]), load(simd, &corners[2])];
+        let single = [load(simd, &corners[0]), load(simd, &corners[1]), load(simd, &corners[2])];
         let [a, b, c] = single;
         let (a, b, c) = (each!(a, v => widen(v)), each!(b, v => widen(v)), each!(c, v => widen(v)));
         let from_origin = a - ray.origin;
-        let (p, q, r) = (
-            ray.sheared(from_origin),
-            ray.sheared(b - ray.origin),
-            ray.sheared(c - ray.origin),
-        );
+        let (p, q, r) =
+            (ray.sheared(from_origin), ray.sheared(b - ray.origin), ray.sheared(c - ray.origin));
         let u = r.x * q.y - r.y * q.x;
         let v = p.x * r.y - p.y * r.x;
         let w = q.x * p.y - q.y * p.x;

@@ -19,9 +19,15 @@ macro_rules! with_vectors {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             if let Some($simd) = level.as_avx2() {
-                $simd.vectorize(#[inline(always)] || $op)
+                $simd.vectorize(
+                    #[inline(always)]
+                    || $op,
+                )
             } else if let Some($simd) = level.as_sse4_2() {
-                $simd.vectorize(#[inline(always)] || $op)
+                $simd.vectorize(
+                    #[inline(always)]
+                    || $op,
+                )
             } else {
                 $other
             }
@@ -29,7 +35,10 @@ macro_rules! with_vectors {
         #[cfg(target_arch = "aarch64")]
         {
             if let Some($simd) = level.as_neon() {
-                $simd.vectorize(#[inline(always)] || $op)
+                $simd.vectorize(
+                    #[inline(always)]
+                    || $op,
+                )
             } else {
                 $other
             }

@@ -3,7 +3,8 @@
 use crate::camera::PreparedCamera;
 use crate::film::{Film, FilterSampler, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, Starts, dimension,
+    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, Starts,
+    dimension,
 };
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
@@ -76,7 +77,10 @@ impl Rendering<'_> {
                 }
             }
             IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }),
-            IntegratorKind::Direct => self.run_with(next_pass, &Direct { selection: EmitterSelection::new(kind, emitters, radius) }),
+            IntegratorKind::Direct => self.run_with(
+                next_pass,
+                &Direct { selection: EmitterSelection::new(kind, emitters, radius) },
+            ),
             IntegratorKind::AmbientOcclusion => self.run_with(next_pass, &AmbientOcclusion),
             IntegratorKind::Normals => self.run_with(next_pass, &Normals),
             IntegratorKind::Albedo => self.run_with(next_pass, &Albedo),

@@ -38,10 +38,7 @@ pub(crate) fn put<S: Simd>(v: &mut Xyz8<S>, lane: usize, [x, y, z]: [f32; 3]) {
 /// The part of light that is left after each distance in metres: exp(−σ d), Beer's law, as in
 /// [`transmittance`](crate::follow::transmittance).
 #[inline(always)]
-pub(crate) fn transmittances<S: Simd>(
-    absorption: Xyz8<S>,
-    distance: f32x8<S>,
-) -> Xyz8<S> {
+pub(crate) fn transmittances<S: Simd>(absorption: Xyz8<S>, distance: f32x8<S>) -> Xyz8<S> {
     let simd = distance.token();
     if absorption.is_zero().all_true() {
         return Xyz8::splat(simd, Spectrum::WHITE.channels());

@@ -10,9 +10,9 @@
 
 use super::binary::MAX_DEPTH;
 use super::wide::{Inside, PACK, WIDTH, WideNode};
+use crate::lanes::{LANES, Xyz};
 use crate::packs::Pack;
 use crate::{Ray, Vec3};
-use crate::lanes::{LANES, Xyz};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
@@ -215,12 +215,7 @@ pub(crate) struct BoxRays<S: Simd> {
 impl<S: Simd> BoxRays<S> {
     /// Which rays enter a box before their `limit`, and where.
     #[inline(always)]
-    fn meet(
-        &self,
-        node: &WideNode,
-        child: usize,
-        limit: f32x8<S>,
-    ) -> (mask32x8<S>, f32x8<S>) {
+    fn meet(&self, node: &WideNode, child: usize, limit: f32x8<S>) -> (mask32x8<S>, f32x8<S>) {
         let simd = self.simd;
         let mut enter = self.start;
         let mut exit = f32x8::splat(simd, f32::INFINITY);
@@ -285,13 +280,7 @@ impl<S: Simd> BoxRay<S> {
 
     /// One of several rays that were made ready together.
     #[inline(always)]
-    pub(crate) fn ready(
-        simd: S,
-        origin: Vec3,
-        inverse: Vec3,
-        start: f32,
-        scale: f32,
-    ) -> Self {
+    pub(crate) fn ready(simd: S, origin: Vec3, inverse: Vec3, start: f32, scale: f32) -> Self {
         Self {
             simd,
             origin: [splat(simd, origin.x), splat(simd, origin.y), splat(simd, origin.z)],
@@ -369,8 +358,8 @@ fn power_of_two_near(size: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::Simd;
     use crate::Aabb;
+    use crate::simd::Simd;
     use fearless_simd::dispatch;
 
     /// Whether a box is met, with all instructions that there are.

@@ -52,11 +52,7 @@ impl SmoothDielectric {
     /// [`sample`](Self::sample) for eight surfaces of relative indices `eta`, with exact Fresnel
     /// equations.
     #[inline(always)]
-    pub(crate) fn samples<S: Simd>(
-        eta: f32x8<S>,
-        wo: Xyz8<S>,
-        choice: f32x8<S>,
-    ) -> BsdfSamples<S> {
+    pub(crate) fn samples<S: Simd>(eta: f32x8<S>, wo: Xyz8<S>, choice: f32x8<S>) -> BsdfSamples<S> {
         let simd = wo.z.token();
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let white = Xyz8::splat(simd, [1.0; 3]);
@@ -81,8 +77,8 @@ impl SmoothDielectric {
         let seen = wo.z.simd_ne(zero);
         let reflection =
             BsdfSamples { wi: back, weight: white, pdf: reflected, eta: one, delta, valid: seen };
-        let on = BsdfSamples { wi: wo.negated(), weight: white, pdf: one, eta: one, delta, valid: seen };
+        let on =
+            BsdfSamples { wi: wo.negated(), weight: white, pdf: one, eta: one, delta, valid: seen };
         on.or(straight, reflection.or(mirrored, through))
     }
-
 }

@@ -1,9 +1,9 @@
 //! What every BSDF draws.
 
 use crate::color::Spectrum;
-use rutilant_geom::Vec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
+use rutilant_geom::Vec3;
 use rutilant_geom::lanes::Xyz8;
 
 /// A direction that light may have come from.

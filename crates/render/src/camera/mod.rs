@@ -13,10 +13,10 @@ pub use perspective::Perspective;
 
 use crate::problem::SceneProblem;
 use equirectangular::PreparedEquirectangular;
+use fearless_simd::{Simd, f32x8};
 use lens::Chief;
 use orthographic::PreparedOrthographic;
 use perspective::PreparedPerspective;
-use fearless_simd::{Simd, f32x8};
 use rutilant_geom::lanes::LANES;
 use rutilant_geom::{Ray, RayPacket, Transform, Vec2, Vec3};
 

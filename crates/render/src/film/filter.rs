@@ -165,14 +165,12 @@ impl FilterSampler {
     /// An offset in pixels, and what a sample there counts (1 on average).
     /// [`sample`](Self::sample) for eight samples.
     #[inline(always)]
-    pub(crate) fn sample_all<S: Simd>(
-        &self,
-        u: [f32x8<S>; 2],
-    ) -> ([f32x8<S>; 2], [f32; LANES]) {
+    pub(crate) fn sample_all<S: Simd>(&self, u: [f32x8<S>; 2]) -> ([f32x8<S>; 2], [f32; LANES]) {
         if let ([sign], &[from, to]) = (&*self.signs, &*self.cumulative) {
             let weight = sign * self.gain;
             let [x, y] = u;
-            let across = [(x - from) / (to - from) * 2.0 - 1.0, (y - from) / (to - from) * 2.0 - 1.0];
+            let across =
+                [(x - from) / (to - from) * 2.0 - 1.0, (y - from) / (to - from) * 2.0 - 1.0];
             return ([across[0] * self.radius, across[1] * self.radius], [weight * weight; LANES]);
         }
         let (mut offset, mut weight) = (u, [0.0; LANES]);

@@ -1,8 +1,8 @@
 //! What every integrator does.
 
+use super::packet::Starts;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
-use super::packet::Starts;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;
 

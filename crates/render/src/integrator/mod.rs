@@ -14,7 +14,7 @@ mod path;
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
 pub(crate) use direct::Direct;
 pub(crate) use estimate::Integrator;
-pub(crate) use packet::Starts;
 pub(crate) use naive::Naive;
 pub(crate) use optimal::Optimal;
+pub(crate) use packet::Starts;
 pub(crate) use path::Path;

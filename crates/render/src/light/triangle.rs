@@ -5,8 +5,8 @@
 
 use super::sample::{EmitterSample, Glow, area_to_solid_angle};
 use crate::color::Spectrum;
-use crate::math::warp;
 use crate::lanes::mask;
+use crate::math::warp;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use rutilant_geom::lanes::{LANES, Xyz8, narrow, widen};

@@ -8,9 +8,7 @@ use crate::material::{CustomMaterial, SurfacePoint};
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::Note;
 use crate::settings::{IntegratorKind, Settings, Strategy};
-use rutilant_geom::{
-    Aabb, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
-};
+use rutilant_geom::{Aabb, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -39,12 +39,7 @@ pub(super) struct MetPacket<'p> {
 
 impl<'p> MetPacket<'p> {
     #[inline(always)]
-    pub(super) fn new(
-        scene: &'p Prepared,
-        rays: &RayPacket,
-        hits: &HitPacket,
-        there: u32,
-    ) -> Self {
+    pub(super) fn new(scene: &'p Prepared, rays: &RayPacket, hits: &HitPacket, there: u32) -> Self {
         let mut met = Self {
             position: hits.position,
             normal: hits.normal,
@@ -111,12 +106,7 @@ impl<'p> MetPacket<'p> {
 
     /// A point on a triangle with vertex normals.
     #[inline(never)]
-    fn smooth(
-        &mut self,
-        _: &Prepared,
-        lane: usize,
-        at: &crate::interaction::SurfaceInteraction,
-    ) {
+    fn smooth(&mut self, _: &Prepared, lane: usize, at: &crate::interaction::SurfaceInteraction) {
         for axis in 0..3 {
             self.shading_normal[axis][lane] = at.shading.z[axis];
             self.smooth_position[axis][lane] = at.smooth_position()[axis];
@@ -174,7 +164,12 @@ impl<'p> MetPacket<'p> {
 
     /// What absorbs on the other side of a surface, in 1/m.
     #[inline(always)]
-    pub(super) fn absorption_beyond(&self, lane: usize, from_front: bool, media: &Media) -> Spectrum {
+    pub(super) fn absorption_beyond(
+        &self,
+        lane: usize,
+        from_front: bool,
+        media: &Media,
+    ) -> Spectrum {
         match self.materials[lane].and_then(|m| m.border.as_ref()) {
             Some(border) => media.beyond_declared(border, from_front),
             None => media.absorption,

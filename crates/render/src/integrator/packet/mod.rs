@@ -125,7 +125,8 @@ impl Path {
         };
         if met.spread & alive != 0 {
             self.direct_lights(
-                simd, scene, paths, &met, &surface, alive, bounce, throughput, radiance, media, rays,
+                simd, scene, paths, &met, &surface, alive, bounce, throughput, radiance, media,
+                rays,
             );
         }
 
@@ -186,7 +187,9 @@ impl Path {
         let survival = match self.roulette {
             Roulette::Off => return one,
             Roulette::Throughput if depth < super::path::ROULETTE_FROM => one,
-            Roulette::Throughput => worth.largest().max(zero).min(one),
+            Roulette::Throughput => {
+                (worth.largest() * (1.0 / super::path::SURE_FROM)).max(zero).min(one)
+            }
             Roulette::Albedo => {
                 let mut albedo = [1.0; LANES];
                 for (albedo, material) in albedo.iter_mut().zip(&met.materials) {
@@ -197,7 +200,8 @@ impl Path {
                 delta.select(one, albedo.simd_into(simd))
             }
         };
-        let most = if depth < super::path::ENDLESS_FROM { 1.0 } else { super::path::ENDLESS_SURVIVAL };
+        let most =
+            if depth < super::path::ENDLESS_FROM { 1.0 } else { super::path::ENDLESS_SURVIVAL };
         survival.min(f32x8::splat(simd, most))
     }
 }

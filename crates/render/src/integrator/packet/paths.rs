@@ -5,8 +5,8 @@ use crate::integrator::path::Previous;
 use crate::medium::Media;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
-use rutilant_geom::lanes::LANES;
 use rutilant_geom::RayPacket;
+use rutilant_geom::lanes::LANES;
 
 /// Where eight paths start: rays of unit direction, and the numbers that are drawn along them. A
 /// ray that is not there starts none.
@@ -112,9 +112,8 @@ impl<N: Sampler> Paths<N> {
     /// Puts the last paths in the places of those that have ended, so that packets are full.
     pub(super) fn close_ranks(&mut self) {
         let (mut hole, mut end) = (0, self.packets.len() * LANES);
-        let there = |packets: &[PathPacket<N>], i: usize| {
-            packets[i / LANES].rays.t_max[i % LANES] > 0.0
-        };
+        let there =
+            |packets: &[PathPacket<N>], i: usize| packets[i / LANES].rays.t_max[i % LANES] > 0.0;
         loop {
             while hole < end && there(&self.packets, hole) {
                 hole += 1;

@@ -6,10 +6,10 @@ use crate::bsdf::{BsdfSamples, Lambert, SmoothDielectric};
 use crate::integrator::dimension::Bounce;
 use crate::lanes::{each_lane, mask, put};
 use crate::sampler::Sampler;
-use fearless_simd::prelude::*;
 use fearless_simd::Simd;
-use rutilant_geom::lanes::{LANES, Xyz8};
+use fearless_simd::prelude::*;
 use rutilant_geom::Vec3;
+use rutilant_geom::lanes::{LANES, Xyz8};
 
 /// Draws the directions of those that are `alive`.
 #[inline(always)]
@@ -25,7 +25,8 @@ pub(super) fn scatter<S: Simd, N: Sampler>(
     if met.lambert & alive != 0 {
         let u = N::d2_of(simd, samplers, bounce.direction());
         let albedo = Xyz8::load(simd, &met.albedo);
-        samples = Lambert::samples(albedo, surface.wo_local, u).or(mask(simd, met.lambert), samples);
+        samples =
+            Lambert::samples(albedo, surface.wo_local, u).or(mask(simd, met.lambert), samples);
     }
     if met.dielectric & alive != 0 {
         let choice = N::d1_of(simd, samplers, bounce.lobe());
