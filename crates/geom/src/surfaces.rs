@@ -7,6 +7,7 @@ use crate::packs::{Pack, fits};
 use crate::simd::Simd;
 use crate::sphere::Sphere;
 use crate::{Aabb, BuildOptions, BuildReport, Bvh, Vec3};
+use arrayvec::ArrayVec;
 use fearless_simd::Level;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -106,50 +107,61 @@ impl Surfaces {
                 Aabb::EMPTY
             }
         };
-        let mut bounds: Vec<Aabb> = triangles.par_iter().map(triangle_bounds).collect();
-        let spheres_bounds =
-            spheres.iter().map(|s| if s.is_proper() { s.bounds() } else { Aabb::EMPTY });
-        let disks_bounds =
-            disks.iter().map(|d| if d.is_proper() { d.bounds() } else { Aabb::EMPTY });
-        bounds.extend(spheres_bounds.chain(disks_bounds).chain(customs.iter().map(Custom::bounds)));
-
-        let bvh = Bvh::build(&bounds, options);
+        let sphere_bounds = |s: &Sphere| if s.is_proper() { s.bounds() } else { Aabb::EMPTY };
+        let disk_bounds = |d: &Disk| if d.is_proper() { d.bounds() } else { Aabb::EMPTY };
+        let others = spheres.iter().map(sphere_bounds).chain(disks.iter().map(disk_bounds));
+        let others: Vec<Aabb> = others.chain(customs.iter().map(Custom::bounds)).collect();
+        let bounds = |i: usize| match triangles.get(i) {
+            Some(triangle) => triangle_bounds(triangle),
+            None => others[i - triangles.len()],
+        };
+        let bvh = Bvh::over(triangles.len() + others.len(), bounds, options);
         // Triangles in packs where all of a leaf are, all else one by one.
-        let (mut packs, mut others) = (Vec::new(), Vec::new());
         let corners = |i: &u32| {
             let indices = triangles.get(*i as usize)?;
-            Some(indices.map(|vertex| positions[vertex as usize])).filter(|c| fits(*c))
+            Some(indices.map(|vertex| positions[vertex as usize]))
         };
+        let all_fit = fits([bvh.bounds().min, bvh.bounds().max, Vec3::ZERO]);
         let cost = |places: &Range<usize>| {
-            let triangles =
-                bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
-            let most = if triangles { MOST_IN_LEAF } else { 1 };
+            let only = || bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
+            let most = if places.len() <= MOST_IN_LEAF && only() { MOST_IN_LEAF } else { 1 };
             (places.len() <= most).then(|| places.len().div_ceil(PACK) as f32)
         };
-        let nodes = widened(&bvh, cost, |places, bounds| {
-            let leaf: Option<Vec<_>> = bvh.order()[places.clone()].iter().map(corners).collect();
-            match leaf {
-                Some(leaf) if leaf.len() <= PACK * Inside::MOST_PACKS as usize => {
-                    let before = packs.len() as u32;
-                    let starts = places.step_by(PACK);
-                    let packed = leaf.chunks(PACK).zip(starts);
-                    packs.extend(
-                        packed.map(|(triangles, first)| Pack::new(triangles, first, bounds)),
-                    );
-                    Inside::leaf(before, packs.len() as u32 - before)
-                }
-                _ => {
-                    others.push(places);
-                    Inside::leaf(others.len() as u32 - 1, 0)
-                }
+        let (mut planned, mut others) = (Vec::<(Places, u8)>::new(), Vec::new());
+        let nodes = widened(&bvh, cost, |places| {
+            let packs = places.len().div_ceil(PACK);
+            let fits = |i: &u32| match all_fit {
+                true => (*i as usize) < triangles.len(),
+                false => corners(i).is_some_and(fits),
+            };
+            if packs <= Inside::MOST_PACKS as usize && bvh.order()[places.clone()].iter().all(fits)
+            {
+                let before = planned.len() as u32;
+                let leaf = Places { first: places.start as u32, count: places.len() as u8 };
+                planned.extend((0..packs as u8).map(|i| (leaf, i)));
+                Inside::leaf(before, packs as u32)
+            } else {
+                others.push(places);
+                Inside::leaf(others.len() as u32 - 1, 0)
             }
         });
-        let order = bvh.order().to_vec();
-
-        let in_leaf = |inside: Inside| match inside.as_leaf() {
+        let report = report(&bvh, &nodes, |inside: Inside| match inside.as_leaf() {
             (other, 0) => others[other].len(),
-            (first, count) => packs[first..first + count].iter().map(Pack::len).sum(),
+            (first, _) => usize::from(planned[first].0.count),
+        });
+        let bounds = bvh.bounds();
+        let order = bvh.into_order();
+        let pack = |(leaf, i): &(Places, u8)| {
+            let first = leaf.first as usize;
+            let numbers = &order[first..first + usize::from(leaf.count)];
+            let all: ArrayVec<_, { PACK * Inside::MOST_PACKS as usize }> =
+                numbers.iter().filter_map(corners).collect();
+            let before = usize::from(*i) * PACK;
+            let bounds = Aabb::around(all.iter().copied().flatten());
+            Pack::new(&all[before..], first + before, &bounds)
         };
+        let packs: Vec<Pack> = planned.par_iter().map(pack).collect();
+
         let bytes = size_of_val(&*nodes)
             + size_of_val(&*packs)
             + size_of_val(&*order)
@@ -159,8 +171,7 @@ impl Surfaces {
             + size_of_val(&*spheres)
             + size_of_val(&*disks)
             + size_of_val(&*customs);
-        let report = BuildReport { bytes, ..report(&bvh, &nodes, in_leaf) };
-        let bounds = bvh.bounds();
+        let report = BuildReport { bytes, ..report };
         let level = Simd::Auto.level().unwrap_or_else(Level::new);
         Self {
             positions,
@@ -258,6 +269,13 @@ pub(crate) enum Primitive<'a> {
     Sphere(&'a Sphere),
     Disk(&'a Disk),
     Custom(&'a Custom),
+}
+
+/// Places in the order of the tree.
+#[derive(Clone, Copy)]
+struct Places {
+    first: u32,
+    count: u8,
 }
 
 /// The most triangles in a leaf.

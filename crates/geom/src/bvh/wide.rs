@@ -113,49 +113,54 @@ const NODE_COST: f32 = 1.5;
 /// Source: Ylitie et al. 2017, section 3.1.
 pub(crate) fn widened(
     bvh: &Bvh,
-    cost: impl Fn(&Range<usize>) -> Option<f32>,
-    mut leaf: impl FnMut(Range<usize>, &Aabb) -> Inside,
+    cost: impl Fn(&Range<usize>) -> Option<f32> + Sync,
+    mut leaf: impl FnMut(Range<usize>) -> Inside,
 ) -> Vec<WideNode> {
     let Some(root) = bvh.root() else { return Vec::new() };
-    let parts = Parts::new(bvh, cost);
+    let mut plans = vec![[Plan::LEAF; 2]; bvh.siblings().len()];
+    let (plan, _) = Planner { bvh, cost }.plan(root, &mut plans, 0);
+    let plans = Plans { bvh, pairs: plans };
     let mut nodes = vec![WideNode::EMPTY];
     // What is still to be made into the node of this number.
-    let mut pending = vec![(0, *root, parts.of(root))];
-    while let Some((number, node, part)) = pending.pop() {
+    let mut pending = vec![(0, *root, plan)];
+    while let Some((number, node, plan)) = pending.pop() {
         let mut children = ArrayVec::<_, WIDTH>::new();
-        if part.is_leaf {
-            children.push((node, part));
+        if plan.is_leaf() {
+            children.push((node, plan));
         } else {
-            parts.children(&node, WIDTH, &mut children);
+            plans.children(&node, plan, WIDTH, &mut children);
         }
-        for (lane, (child, part)) in children.into_iter().enumerate() {
-            let inside = if part.is_leaf {
-                leaf(part.places(), &child.bounds())
+        for (lane, (child, plan)) in children.into_iter().enumerate() {
+            let inside = if plan.is_leaf() {
+                leaf(plans.places(&child))
             } else {
                 let below = nodes.len() as u32;
                 nodes.push(WideNode::EMPTY);
-                pending.push((below, child, part));
+                pending.push((below, child, plan));
                 Inside::node(below)
             };
             nodes[number as usize].put(lane, &child.bounds(), inside);
         }
     }
+    nodes.shrink_to_fit();
     nodes
 }
 
-/// What is said about a wide tree. `primitives` and `left_out` are those of the binary one.
+/// What is said about a wide tree, but for `bytes`.
 pub(crate) fn report(
     bvh: &Bvh,
     nodes: &[WideNode],
     in_leaf: impl Fn(Inside) -> usize,
 ) -> BuildReport {
     let mut report = BuildReport {
+        primitives: bvh.order().len(),
+        left_out: bvh.left_out(),
         nodes: nodes.len(),
         leaves: 0,
         depth: 0,
         largest_leaf: 0,
         sah_cost: 0.0,
-        ..*bvh.report()
+        bytes: 0,
     };
     let half_area = |bounds: Aabb| f64::from(bounds.half_area());
     let mut pending: Vec<_> = bvh.root().map(|root| (0, 0, root.bounds())).into_iter().collect();
@@ -185,102 +190,164 @@ pub(crate) fn report(
     report
 }
 
-/// Part of the binary tree, and what it costs.
+/// How part of the binary tree is best put into boxes: three bits for each number of them from two
+/// on, how many the left child takes then; zero if fewer do as well. And whether it is best a leaf
+/// where there is one box.
 #[derive(Clone, Copy)]
+struct Plan(u32);
+
+impl Plan {
+    const NODE: Self = Self(0);
+    const LEAF: Self = Self(1 << 31);
+
+    fn is_leaf(self) -> bool {
+        self.0 >> 31 == 1
+    }
+
+    fn with_left(self, boxes: usize, of_left: usize) -> Self {
+        Self(self.0 | (of_left as u32) << (3 * (boxes - 2)))
+    }
+
+    fn left(self, boxes: usize) -> usize {
+        (self.0 >> (3 * (boxes - 2)) & 7) as usize
+    }
+
+    /// How many boxes are worth it of so many; `None` for one.
+    fn boxes(self, most: usize) -> Option<usize> {
+        (2..=most).rev().find(|boxes| self.left(*boxes) != 0)
+    }
+}
+
+/// Part of the binary tree, and the least that it costs in up to one, two, … boxes.
 struct Part {
-    /// The least cost if it takes up to one, two, … of the boxes in a node.
     costs: [f32; WIDTH],
     /// Places in the order of the tree.
-    first: u32,
-    count: u32,
-    /// True if it costs least as a leaf.
-    is_leaf: bool,
+    places: Range<usize>,
 }
 
 impl Part {
-    fn places(&self) -> Range<usize> {
-        self.first as usize..(self.first + self.count) as usize
+    /// Whether more boxes gain nothing.
+    fn is_flat(&self) -> bool {
+        self.costs[0] <= self.costs[WIDTH - 1]
     }
 }
 
-/// All of them.
-struct Parts<'a, F> {
+/// Makes the plans.
+struct Planner<'a, F> {
     bvh: &'a Bvh,
     cost: F,
-    /// Of every pair of siblings.
-    pairs: Vec<[Part; 2]>,
 }
 
-impl<'a, F: Fn(&Range<usize>) -> Option<f32>> Parts<'a, F> {
-    fn new(bvh: &'a Bvh, cost: F) -> Self {
-        let nothing = Part { costs: [0.0; WIDTH], first: 0, count: 0, is_leaf: true };
-        let mut parts = Self { bvh, cost, pairs: vec![[nothing; 2]; bvh.siblings().len()] };
-        // Children come after their parents.
-        for (i, pair) in bvh.siblings().iter().enumerate().rev() {
-            parts.pairs[i] = [parts.of(&pair.0[0]), parts.of(&pair.0[1])];
-        }
-        parts
-    }
+/// So many levels from the root on are shared out among threads.
+const PARALLEL_LEVELS: usize = 8;
 
-    /// What `node` costs; what is below it must be known.
-    fn of(&self, node: &Node) -> Part {
+impl<F: Fn(&Range<usize>) -> Option<f32> + Sync> Planner<'_, F> {
+    /// Makes those of a node and of all that is below it; the latter go to `plans`, in the order of
+    /// the tree.
+    fn plan(&self, node: &Node, plans: &mut [[Plan; 2]], level: usize) -> (Plan, Part) {
         let area = node.bounds().half_area();
-        match node.content() {
-            Content::Primitives(places) => Part {
-                costs: [area * (self.cost)(&places).unwrap_or(places.len() as f32); WIDTH],
-                first: places.start as u32,
-                count: places.len() as u32,
-                is_leaf: true,
-            },
-            Content::Children(at) => {
-                let [left, right] = &self.pairs[at];
-                let (first, count) = (left.first, left.count + right.count);
-                let mut part = Part { costs: [0.0; WIDTH], first, count, is_leaf: false };
-                // Shared out between both children in the best way.
-                let mut least = f32::INFINITY;
-                for boxes in 2..=WIDTH {
-                    least = least.min(Self::shared(left, right, boxes).1);
-                    part.costs[boxes - 1] = least;
+        let at = match node.content() {
+            Content::Children(at) => at,
+            Content::Primitives(places) => {
+                let cost = area * (self.cost)(&places).unwrap_or(places.len() as f32);
+                return (Plan::LEAF, Part { costs: [cost; WIDTH], places });
+            }
+        };
+        // What is below the left child comes before what is below the right one.
+        let [left, right] = &self.bvh.siblings()[at].0;
+        let (own, below) = plans.split_at_mut(1);
+        let of_left = match right.content() {
+            Content::Children(first) => first - at - 1,
+            Content::Primitives(_) => below.len(),
+        };
+        let (below_left, below_right) = below.split_at_mut(of_left);
+        let (left, right) = if level < PARALLEL_LEVELS {
+            rayon::join(
+                || self.plan(left, below_left, level + 1),
+                || self.plan(right, below_right, level + 1),
+            )
+        } else {
+            (self.plan(left, below_left, level), self.plan(right, below_right, level))
+        };
+        own[0] = [left.0, right.0];
+        let (left, right) = (left.1, right.1);
+        let places = left.places.start..right.places.end;
+
+        // Shared out between both children in the best way.
+        let mut shared = [(0, f32::INFINITY); WIDTH];
+        for boxes in 2..=WIDTH {
+            // What does not gain from more boxes takes one.
+            let (fewest, most) = match (left.is_flat(), right.is_flat()) {
+                (true, _) => (1, 1),
+                (false, true) => (boxes - 1, boxes - 1),
+                (false, false) => (1, boxes - 1),
+            };
+            let cost = |of_left: usize| left.costs[of_left - 1] + right.costs[boxes - of_left - 1];
+            let mut best = (fewest, cost(fewest));
+            for of_left in fewest + 1..=most {
+                if cost(of_left) < best.1 {
+                    best = (of_left, cost(of_left));
                 }
-                // As one box: with all in a node below, or as a leaf.
-                let below = area * NODE_COST + least;
-                let leaf = (self.cost)(&part.places()).map_or(f32::INFINITY, |cost| area * cost);
-                part.is_leaf = leaf <= below;
-                part.costs[0] = leaf.min(below);
-                for boxes in 1..WIDTH {
-                    part.costs[boxes] = part.costs[boxes].min(part.costs[boxes - 1]);
-                }
-                part
+            }
+            shared[boxes - 1] = best;
+        }
+        // As one box: with all in a node below, or as a leaf.
+        let least = shared.iter().fold(f32::INFINITY, |least, (_, cost)| least.min(*cost));
+        let below = area * NODE_COST + least;
+        let leaf = (self.cost)(&places).map_or(f32::INFINITY, |cost| area * cost);
+        let mut plan = if leaf <= below { Plan::LEAF } else { Plan::NODE };
+        let mut costs = [leaf.min(below); WIDTH];
+        for boxes in 2..=WIDTH {
+            let (of_left, cost) = shared[boxes - 1];
+            costs[boxes - 1] = costs[boxes - 2];
+            if cost < costs[boxes - 1] {
+                costs[boxes - 1] = cost;
+                plan = plan.with_left(boxes, of_left);
             }
         }
+        (plan, Part { costs, places })
     }
+}
 
-    /// How many of so many boxes the left child takes at best, and what both cost then.
-    fn shared(left: &Part, right: &Part, boxes: usize) -> (usize, f32) {
-        let cost = |of_left: usize| left.costs[of_left - 1] + right.costs[boxes - of_left - 1];
-        let best = (2..boxes).fold(1, |best, i| if cost(i) < cost(best) { i } else { best });
-        (best, cost(best))
-    }
+/// All plans.
+struct Plans<'a> {
+    bvh: &'a Bvh,
+    /// Of every pair of siblings.
+    pairs: Vec<[Plan; 2]>,
+}
 
-    /// The parts that fill up to so many boxes.
-    fn children(&self, node: &Node, boxes: usize, out: &mut ArrayVec<(Node, Part), WIDTH>) {
+impl Plans<'_> {
+    /// The parts that fill up to so many boxes, at least two.
+    fn children(
+        &self,
+        node: &Node,
+        plan: Plan,
+        boxes: usize,
+        out: &mut ArrayVec<(Node, Plan), WIDTH>,
+    ) {
         let Content::Children(at) = node.content() else { return };
-        let [left, right] = &self.pairs[at];
-        // Fewer boxes may do.
-        let boxes = (2..=boxes).fold(2, |best, i| {
-            let cost = |i| Self::shared(left, right, i).1;
-            if cost(i) < cost(best) { i } else { best }
-        });
-        let (of_left, _) = Self::shared(left, right, boxes);
-        let both = self.bvh.siblings()[at].0;
-        for ((node, part), boxes) in both.iter().zip([left, right]).zip([of_left, boxes - of_left])
-        {
-            // The fewest boxes that cost no more.
-            let boxes = (1..=boxes).find(|i| part.costs[i - 1] <= part.costs[boxes - 1]);
-            match boxes {
-                Some(boxes @ 2..) => self.children(node, boxes, out),
-                _ => out.push((*node, *part)),
+        let boxes = plan.boxes(boxes).unwrap_or(2);
+        let of_left = plan.left(boxes).max(1);
+        let both = self.bvh.siblings()[at].0.iter().zip(self.pairs[at]);
+        for ((node, plan), boxes) in both.zip([of_left, boxes - of_left]) {
+            match plan.boxes(boxes) {
+                Some(boxes) => self.children(node, plan, boxes, out),
+                None => out.push((*node, plan)),
             }
         }
+    }
+
+    /// Where all primitives below a node are.
+    fn places(&self, node: &Node) -> Range<usize> {
+        let end = |side: usize| {
+            let mut node = *node;
+            loop {
+                match node.content() {
+                    Content::Children(at) => node = self.bvh.siblings()[at].0[side],
+                    Content::Primitives(places) => return places,
+                }
+            }
+        };
+        end(0).start..end(1).end
     }
 }
