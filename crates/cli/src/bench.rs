@@ -5,7 +5,8 @@ use crate::load::{self, timed};
 use crate::options;
 use crate::say::{print_json, print_line};
 use crate::text::{bytes, count, time};
-use rutilant_geom::{BuildOptions, Ray, Surfaces, Vec3};
+use rutilant_geom::lanes::LANES;
+use rutilant_geom::{BuildOptions, HitPacket, Ray, RayPacket, Surfaces, Vec3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -64,6 +65,9 @@ struct Set {
     rays: usize,
     closest_mrays_per_second: f64,
     any_mrays_per_second: f64,
+    /// The same with each ray traced alone.
+    closest_alone_mrays_per_second: f64,
+    any_alone_mrays_per_second: f64,
     /// Rays that hit something.
     hits: u64,
     /// Of the closest hits.
@@ -118,19 +122,29 @@ fn rays(args: &RaysArgs) -> Result<Exit, Failure> {
             bytes(report.bytes),
         ))?;
         print_line(&format!(
-            "{:<28}{:>12}{:>16}{:>14}{:>12}{:>18}{:>12}",
-            "set", "rays", "closest Mray/s", "any Mray/s", "hits", "sum of t", "blocked"
+            "{:<28}{:>10}{:>16}{:>8}{:>14}{:>8}{:>10}{:>14}{:>10}",
+            "set",
+            "rays",
+            "closest Mray/s",
+            "alone",
+            "any Mray/s",
+            "alone",
+            "hits",
+            "sum of t",
+            "blocked"
         ))?;
     }
     for (file, rays) in args.rays.iter().zip(&sets) {
         let set = measure(args, &surfaces, file, rays);
         if !args.json {
             print_line(&format!(
-                "{:<28}{:>12}{:>16.2}{:>14.2}{:>12}{:>18.1}{:>12}",
+                "{:<28}{:>10}{:>16.2}{:>8.2}{:>14.2}{:>8.2}{:>10}{:>14.1}{:>10}",
                 file.file_name().unwrap_or_default().to_string_lossy(),
                 set.rays,
                 set.closest_mrays_per_second,
+                set.closest_alone_mrays_per_second,
                 set.any_mrays_per_second,
+                set.any_alone_mrays_per_second,
                 set.hits,
                 set.sum_of_t,
                 set.blocked,
@@ -144,24 +158,48 @@ fn rays(args: &RaysArgs) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Traces a set again and again, closest and any hit in turn, so that a disturbance meets both.
+/// Traces a set again and again, closest and any hit, eight rays at once and each alone in turn, so
+/// that a disturbance meets all.
 fn measure(args: &RaysArgs, surfaces: &Surfaces, file: &Path, rays: &[Ray]) -> Set {
-    let (mut closest, mut any) = (Vec::new(), Vec::new());
+    let mut times = [const { Vec::new() }; 4];
     let (mut found, mut blocked) = (Found::default(), Found::default());
     for _ in 0..args.repetitions {
-        let time;
-        (found, time) = trace(args.threads, rays, |ray| surfaces.closest(ray).map(|hit| hit.t));
-        closest.push(time);
-        let time;
-        (blocked, time) = trace(args.threads, rays, |ray| surfaces.occluded(ray).then_some(0.0));
-        any.push(time);
+        let runs = [
+            trace(args.threads, rays, |rays, found| {
+                let hits = surfaces.closest_packet(&RayPacket::new(rays));
+                for lane in 0..rays.len() {
+                    if hits.primitive[lane] != HitPacket::NOTHING {
+                        found.add(hits.t[lane]);
+                    }
+                }
+            }),
+            trace(args.threads, rays, |rays, found| {
+                found.hits +=
+                    u64::from(surfaces.occluded_packet(&RayPacket::new(rays)).count_ones());
+            }),
+            trace(args.threads, rays, |rays, found| {
+                for hit in rays.iter().filter_map(|ray| surfaces.closest(ray)) {
+                    found.add(hit.t);
+                }
+            }),
+            trace(args.threads, rays, |rays, found| {
+                found.hits += rays.iter().filter(|ray| surfaces.occluded(ray)).count() as u64;
+            }),
+        ];
+        (found, blocked) = (runs[0].0, runs[1].0);
+        for (times, (_, time)) in times.iter_mut().zip(runs) {
+            times.push(time);
+        }
     }
     let rate = |times| rays.len() as f64 / median(times).as_secs_f64().max(1e-9) * 1e-6;
+    let [closest, any, closest_alone, any_alone] = times.map(rate);
     Set {
         file: file.to_owned(),
         rays: rays.len(),
-        closest_mrays_per_second: rate(closest),
-        any_mrays_per_second: rate(any),
+        closest_mrays_per_second: closest,
+        any_mrays_per_second: any,
+        closest_alone_mrays_per_second: closest_alone,
+        any_alone_mrays_per_second: any_alone,
         hits: found.hits,
         sum_of_t: found.sum_of_t,
         blocked: blocked.hits,
@@ -174,16 +212,24 @@ struct Found {
     sum_of_t: f64,
 }
 
-/// Traces every ray once, shared out over `threads` in equal runs; the time is that of the slowest.
+impl Found {
+    fn add(&mut self, t: f32) {
+        self.hits += 1;
+        self.sum_of_t += f64::from(t);
+    }
+}
+
+/// Traces every ray once, by up to eight, shared out over `threads` in equal runs; the time is that
+/// of the slowest.
 fn trace(
     threads: usize,
     rays: &[Ray],
-    query: impl Fn(&Ray) -> Option<f32> + Sync,
+    query: impl Fn(&[Ray], &mut Found) + Sync,
 ) -> (Found, Duration) {
     let run = |rays: &[Ray]| {
-        rays.iter().fold(Found::default(), |found, ray| match query(ray) {
-            Some(t) => Found { hits: found.hits + 1, sum_of_t: found.sum_of_t + f64::from(t) },
-            None => found,
+        rays.chunks(LANES).fold(Found::default(), |mut found, rays| {
+            query(rays, &mut found);
+            found
         })
     };
     let start = Instant::now();

@@ -319,6 +319,8 @@ fn settings(args: &Args, scene: &Settings) -> Settings {
         size: args.size.unwrap_or(scene.size),
         crop: args.crop.or(scene.crop),
         spp,
+        // Without a number, what the scene asks for is a better guess than none.
+        planned_spp: args.spp.is_none().then_some(scene.spp),
         max_depth: args.max_depth.or(scene.max_depth),
         integrator: args.integrator.map_or(scene.integrator, Into::into),
         sampler: args.sampler.map_or(scene.sampler, Into::into),

@@ -118,7 +118,7 @@ fn with_mounts(folder: &Path, script: &str) -> Option<Output> {
 fn a_full_disk_keeps_the_older_picture() {
     let desk = desk();
     fs::create_dir(desk.path().join("full")).unwrap();
-    let script = "mount -t tmpfs -o size=64k full full
+    let script = "mount -t tmpfs -o size=8k full full
         echo older > full/a.exr
         set +e
         $RUTILANT scene.toml -q -o full/a.exr -o b.exr

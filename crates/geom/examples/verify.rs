@@ -15,6 +15,8 @@ mod common;
 
 use common::{Random, aimed_ray, brute, meshes};
 use rayon::prelude::*;
+use rutilant_geom::lanes::LANES;
+use rutilant_geom::{Ray, RayPacket};
 
 fn main() {
     let mut counts = std::env::args().skip(1).map(|argument| {
@@ -31,6 +33,15 @@ fn main() {
                 let hit = scene.closest(&ray);
                 let sure = brute::check(name, &scene, &ray, hit.as_ref());
                 assert_eq!(scene.occluded(&ray), hit.is_some(), "{name}: {ray:?} {hit:?}");
+                // The same ray among others that go elsewhere.
+                let others: [Ray; LANES] = std::array::from_fn(|lane| match lane {
+                    0 => ray,
+                    _ => aimed_ray(&scene, &mut Random((i << 20) + lane as u64)),
+                });
+                let packet = RayPacket::new(&others);
+                assert_eq!(scene.closest_packet(&packet).hit(0), hit, "{name}: {ray:?}");
+                let blocked = scene.occluded_packet(&packet) & 1 == 1;
+                assert_eq!(blocked, hit.is_some(), "{name}: {ray:?}");
                 [u64::from(hit.is_some()), u64::from(!sure)]
             })
             .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);

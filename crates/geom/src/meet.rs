@@ -5,18 +5,20 @@
 //! among those at the end. For eight rays at once each of these is done for
 //! eight of them.
 
-use crate::bvh::{BoxRay, Inside, Met, Order, PACK, SLACK, Visit, traverse, traverse_packet};
+use crate::bvh::{
+    BoxRay, Inside, Met, Order, PACK, SLACK, Visit, limit_of, traverse, traverse_packet, way,
+};
 use crate::custom::CustomHit;
-use crate::each;
-use crate::lanes::{LANES, Xyz, narrow, widen};
+use crate::lanes::LANES;
 use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady};
 use crate::packs::{Pack, PackRay};
 use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
 use crate::triangle::TriangleRay;
+use crate::with_vectors;
 use crate::{Ray, Sphere, Vec3, real};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x8, f64x8, mask32x8, u32x8};
+use fearless_simd::{Fallback, Simd, f32x8, mask32x8};
 use glam::DVec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -27,6 +29,19 @@ struct Candidate {
     at: u32,
     /// It is met no sooner.
     from: f32,
+}
+
+/// The lanes of a set that has a bit for each.
+#[inline(always)]
+fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits.wrapping_sub(1);
+            (lane < LANES).then_some(lane)
+        },
+    )
 }
 
 /// What has been found for one ray.
@@ -65,30 +80,46 @@ impl Surfaces {
     /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let mut search = Search::default();
-        dispatch!(self.level, simd => self.search_alone(simd, ray, &mut search));
+        with_vectors!(
+            self.level,
+            simd => self.search_alone(simd, ray, &mut search),
+            else self.search_alone(Fallback::new(), ray, &mut search)
+        );
         self.finish(ray, search.nearest?, search.custom)
     }
 
     /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        dispatch!(self.level, simd => self.blocked(simd, ray))
+        with_vectors!(
+            self.level,
+            simd => self.blocked(simd, ray),
+            else self.blocked(Fallback::new(), ray)
+        )
     }
 
     /// What [`closest`](Self::closest) finds for each of eight rays.
     pub fn closest_packet(&self, rays: &RayPacket) -> HitPacket {
-        dispatch!(self.level, simd => self.closest_of(simd, rays))
+        with_vectors!(self.level, simd => self.closest_of(simd, rays), else {
+            let mut hits = HitPacket::NONE;
+            for lane in 0..LANES {
+                hits.set(lane, self.closest(&rays.ray(lane)).as_ref());
+            }
+            hits
+        })
     }
 
     /// Which of eight rays are [`occluded`](Self::occluded), a bit for each.
     pub fn occluded_packet(&self, rays: &RayPacket) -> u32 {
-        dispatch!(self.level, simd => self.blocked_of(simd, rays))
+        with_vectors!(self.level, simd => self.blocked_of(simd, rays), else {
+            (0..LANES).fold(0, |all, i| all | u32::from(self.occluded(&rays.ray(i))) << i)
+        })
     }
 
     #[inline(always)]
     fn search_alone<S: Simd>(&self, simd: S, ray: &Ray, search: &mut Search) {
         let Some(boxes) = BoxRay::new(simd, ray) else { return };
         let packs = PackRay::new(simd, ray, boxes.scale);
-        let mut limit = boxes.limit(f64::from(ray.t_max));
+        let mut limit = limit_of(f64::from(ray.t_max), boxes.scale);
         self.search(&boxes, &packs, ray, (Inside::node(0), 0.0), &mut limit, search);
         self.settle(ray, limit, search);
     }
@@ -112,29 +143,54 @@ impl Surfaces {
             limit,
             #[inline(always)]
             |leaf, limit| {
-                let (first, all) = self.packs_of(leaf.inside);
-                for (i, pack) in all.iter().enumerate() {
-                    let sorted = packs.meet(pack, leaf.way, *limit);
-                    let (mut may, sure) = (sorted.may.to_bitmask(), sorted.sure.to_bitmask());
-                    while may != 0 {
-                        let lane = may.trailing_zeros() as usize % PACK;
-                        may &= may - 1;
-                        let at = ((first + i) * PACK + lane) as u32;
-                        self.note(Candidate { at, from: sorted.from[lane] }, ray, *limit, search);
-                        if sure >> lane & 1 == 1 {
-                            *limit = limit.min(sorted.until[lane] * SLACK);
-                        }
-                    }
-                }
-                for number in self.singles_of(leaf) {
-                    self.meet_single(ray, *number, &mut search.nearest, &mut search.custom);
-                    if let Some(nearest) = search.nearest {
-                        *limit = limit.min(boxes.limit(nearest.t));
-                    }
-                }
+                let all = self.packs_of(leaf.inside);
+                self.search_packs(packs, ray, leaf.way, all, limit, search);
+                self.search_singles(ray, leaf, boxes.scale, limit, search);
                 false
             },
         );
+    }
+
+    /// Searches the packs of a leaf, which start with number `first`.
+    #[inline(always)]
+    fn search_packs<S: Simd>(
+        &self,
+        packs: &PackRay<S>,
+        ray: &Ray,
+        way: f32,
+        (first, all): (usize, &[Pack]),
+        limit: &mut f32,
+        search: &mut Search,
+    ) {
+        for (i, pack) in all.iter().enumerate() {
+            let sorted = packs.meet(pack, way, *limit);
+            let sure = sorted.sure.to_bitmask();
+            for lane in lanes_of(sorted.may.to_bitmask() as u32) {
+                let at = ((first + i) * PACK + lane % PACK) as u32;
+                self.note(Candidate { at, from: sorted.from[lane % PACK] }, ray, *limit, search);
+                if sure >> lane & 1 == 1 {
+                    *limit = limit.min(sorted.until[lane % PACK] * SLACK);
+                }
+            }
+        }
+    }
+
+    /// Searches a leaf whose primitives are met one by one.
+    #[inline(always)]
+    fn search_singles(
+        &self,
+        ray: &Ray,
+        leaf: Met,
+        scale: f32,
+        limit: &mut f32,
+        search: &mut Search,
+    ) {
+        for number in self.singles_of(leaf) {
+            self.meet_single(ray, *number, &mut search.nearest, &mut search.custom);
+            if let Some(nearest) = search.nearest {
+                *limit = limit.min(limit_of(nearest.t, scale));
+            }
+        }
     }
 
     /// Keeps a candidate.
@@ -167,7 +223,7 @@ impl Surfaces {
     fn blocked<S: Simd>(&self, simd: S, ray: &Ray) -> bool {
         let Some(boxes) = BoxRay::new(simd, ray) else { return false };
         let packs = PackRay::new(simd, ray, boxes.scale);
-        let limit = boxes.limit(f64::from(ray.t_max));
+        let limit = limit_of(f64::from(ray.t_max), boxes.scale);
         self.blocked_from(&boxes, &packs, ray, (Inside::node(0), 0.0), limit)
     }
 
@@ -241,7 +297,7 @@ impl Surfaces {
 
     /// Closest hits of eight rays.
     #[inline(always)]
-    pub fn closest_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> HitPacket {
+    fn closest_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> HitPacket {
         let rays = RaysReady::new(simd, packet);
         let mut searches: [Search; LANES] = Default::default();
         let mut limit = rays.limit;
@@ -251,12 +307,8 @@ impl Surfaces {
             &mut limit,
             #[inline(always)]
             |visit: Visit<S>, limit| {
-                let (first, all) = self.packs_of(visit.inside);
-                if !visit.together(all.len()) {
-                    let mut which = visit.mask;
-                    while which != 0 {
-                        let lane = which.trailing_zeros() as usize % LANES;
-                        which &= which - 1;
+                if visit.inside.as_node().is_some() {
+                    for lane in lanes_of(visit.mask) {
                         let from = (visit.inside, visit.enter[lane]);
                         let (boxes, packs) = (rays.boxes.one(lane), rays.packs(packet, lane));
                         let (search, ray) = (&mut searches[lane], packet.ray(lane));
@@ -264,28 +316,46 @@ impl Surfaces {
                     }
                     return;
                 }
-                for (i, pack) in all.iter().enumerate() {
-                    for lane in 0..PACK {
-                        if pack.edges[lane].is_nan() {
-                            break;
-                        }
-                        let sorted = rays.sort_out(pack, lane, visit.enter, *limit);
-                        let mut may = sorted.may.to_bitmask() as u32 & visit.mask;
-                        if may == 0 {
-                            continue;
-                        }
-                        let at = ((first + i) * PACK + lane) as u32;
-                        while may != 0 {
-                            let ray = may.trailing_zeros() as usize % LANES;
-                            may &= may - 1;
-                            let candidate = Candidate { at, from: sorted.from[ray] };
-                            let search = &mut searches[ray];
-                            if search.candidates.is_full() {
-                                self.settle(&packet.ray(ray), limit[ray], search);
+                let (first, all) = self.packs_of(visit.inside);
+                if all.is_empty() {
+                    for lane in lanes_of(visit.mask) {
+                        let leaf = Met { inside: visit.inside, way: 0.0 };
+                        let (search, scale) = (&mut searches[lane], rays.boxes.scale[lane]);
+                        let limit = &mut limit[lane];
+                        self.search_singles(&packet.ray(lane), leaf, scale, limit, search);
+                    }
+                } else if !visit.together(all) {
+                    for lane in lanes_of(visit.mask) {
+                        let (search, packs) = (&mut searches[lane], rays.packs(packet, lane));
+                        let way = way(visit.enter[lane]);
+                        let ray = packet.ray(lane);
+                        self.search_packs(
+                            &packs,
+                            &ray,
+                            way,
+                            (first, all),
+                            &mut limit[lane],
+                            search,
+                        );
+                    }
+                } else {
+                    for (i, pack) in all.iter().enumerate() {
+                        for lane in 0..pack.len() {
+                            let sorted = rays.sort_out(pack, lane, visit.enter, *limit);
+                            let mut may = sorted.may.to_bitmask() as u32 & visit.mask;
+                            if may == 0 {
+                                continue;
                             }
-                            search.candidates.push(candidate);
+                            may &= !rays.leaving(self.order[pack.place(lane)]);
+                            let at = ((first + i) * PACK + lane) as u32;
+                            for ray in lanes_of(may) {
+                                let candidate = Candidate { at, from: sorted.from[ray] };
+                                let search = &mut searches[ray];
+                                self.note(candidate, &packet.ray(ray), limit[ray], search);
+                            }
+                            let nearer = limit.min(sorted.until * SLACK);
+                            *limit = sorted.sure.select(nearer, *limit);
                         }
-                        *limit = sorted.sure.select(limit.min(sorted.until * SLACK), *limit);
                     }
                 }
             },
@@ -293,15 +363,15 @@ impl Surfaces {
         self.decide(&rays, packet, &limit, &mut searches)
     }
 
-    /// Decides among the candidates of eight rays.
+    /// The nearest of the candidates of eight rays.
     #[inline(always)]
-    fn decide<S: Simd>(
+    fn nearest_of<S: Simd>(
         &self,
         rays: &RaysReady<S>,
         packet: &RayPacket,
         limit: &[f32; LANES],
         searches: &mut [Search; LANES],
-    ) -> HitPacket {
+    ) -> NearestPacket<S> {
         let simd = rays.boxes.simd;
         let mut nearest = NearestPacket::none(simd, packet);
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -328,7 +398,19 @@ impl Surfaces {
             }
             rays.meet(&corners, primitive.simd_into(simd), &mut nearest);
         }
+        nearest
+    }
 
+    /// Decides among the candidates of eight rays.
+    #[inline(always)]
+    fn decide<S: Simd>(
+        &self,
+        rays: &RaysReady<S>,
+        packet: &RayPacket,
+        limit: &[f32; LANES],
+        searches: &mut [Search; LANES],
+    ) -> HitPacket {
+        let nearest = self.nearest_of(rays, packet, limit, searches);
         let mut hits = nearest.finished();
         for (lane, search) in searches.iter().enumerate() {
             if let Some(other) = search.nearest {
@@ -343,8 +425,10 @@ impl Surfaces {
 
     /// Which of eight rays are blocked.
     #[inline(always)]
-    pub fn blocked_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> u32 {
+    fn blocked_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> u32 {
+        let gone = f32x8::splat(simd, f32::NEG_INFINITY);
         let rays = RaysReady::new(simd, packet);
+        let mut searches: [Search; LANES] = Default::default();
         let mut limit = rays.limit;
         let mut blocked = 0;
         traverse_packet(
@@ -354,11 +438,10 @@ impl Surfaces {
             #[inline(always)]
             |visit: Visit<S>, limit| {
                 let (first, all) = self.packs_of(visit.inside);
-                if !visit.together(all.len()) {
-                    let mut which = visit.mask;
-                    while which != 0 {
-                        let lane = which.trailing_zeros() as usize % LANES;
-                        which &= which - 1;
+                let together =
+                    visit.inside.as_node().is_none() && !all.is_empty() && visit.together(all);
+                if !together {
+                    for lane in lanes_of(visit.mask) {
                         let from = (visit.inside, visit.enter[lane]);
                         let (boxes, packs) = (rays.boxes.one(lane), rays.packs(packet, lane));
                         let ray = packet.ray(lane);
@@ -370,32 +453,43 @@ impl Surfaces {
                     return;
                 }
                 for (i, pack) in all.iter().enumerate() {
-                    for lane in 0..PACK {
-                        if pack.edges[lane].is_nan() {
-                            break;
-                        }
+                    for lane in 0..pack.len() {
                         let sorted = rays.sort_out(pack, lane, visit.enter, *limit);
-                        let may = sorted.may.to_bitmask() as u32 & visit.mask & !blocked;
+                        let mut may = sorted.may.to_bitmask() as u32 & visit.mask & !blocked;
                         if may == 0 {
                             continue;
                         }
-                        let mut newly = sorted.sure.to_bitmask() as u32 & may;
-                        let mut unsure = may & !newly;
-                        while unsure != 0 {
-                            let ray = unsure.trailing_zeros();
-                            unsure &= unsure - 1;
-                            let triangle = (first + i) * PACK;
-                            if self.meets(&packet.ray(ray as usize % LANES), triangle, 1 << lane) {
-                                newly |= 1 << ray;
+                        may &= !rays.leaving(self.order[pack.place(lane)]);
+                        let sure = sorted.sure.to_bitmask() as u32 & may;
+                        blocked |= sure;
+                        *limit = mask32x8::from_bitmask(simd, u64::from(sure)).select(gone, *limit);
+                        // What is not certain waits until the others are done.
+                        let at = ((first + i) * PACK + lane) as u32;
+                        for ray in lanes_of(may & !sure) {
+                            let candidate = Candidate { at, from: f32::NEG_INFINITY };
+                            let search = &mut searches[ray];
+                            self.note(candidate, &packet.ray(ray), f32::INFINITY, search);
+                            if search.nearest.is_some() {
+                                blocked |= 1 << ray;
+                                limit[ray] = f32::NEG_INFINITY;
                             }
                         }
-                        blocked |= newly;
-                        let gone = f32x8::splat(simd, f32::NEG_INFINITY);
-                        *limit = mask32x8::from_bitmask(simd, u64::from(newly)).select(gone, *limit);
                     }
                 }
             },
         );
+        let mut open = 0;
+        for (lane, search) in searches.iter_mut().enumerate() {
+            if blocked >> lane & 1 == 1 {
+                search.candidates.clear();
+            }
+            open |= u32::from(!search.candidates.is_empty()) << lane;
+        }
+        if open != 0 {
+            let nearest = self.nearest_of(&rays, packet, &[f32::INFINITY; LANES], &mut searches);
+            let none = fearless_simd::u32x8::splat(simd, HitPacket::NOTHING);
+            blocked |= nearest.primitive.simd_ne(none).to_bitmask() as u32;
+        }
         blocked
     }
 
@@ -493,7 +587,7 @@ impl Surfaces {
         // How high the ends stand above the surface, and its normal.
         let ends = [before.as_dvec3(), beyond.as_dvec3()];
         let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
-        let mut look_at = |primitive: u32| {
+        self.each_near(&near, &mut |primitive| {
             let surface = match self.primitive(primitive) {
                 Primitive::Triangle(corners) => {
                     let [a, b, c] = corners;
@@ -519,13 +613,32 @@ impl Surfaces {
             {
                 met(primitive, normal.dot(direction) < 0.0);
             }
-        };
-        dispatch!(self.level, simd => {
-            let Some(boxes) = BoxRay::new(simd, &near) else { return };
-            let packs = PackRay::new(simd, &near, boxes.scale);
-            let mut limit = boxes.limit(f64::from(near.t_max));
-            let root = (Inside::node(0), 0.0);
-            traverse(&self.nodes, &boxes, Order::Any, root, &mut limit, |leaf, limit| {
+        });
+    }
+
+    /// Calls `look_at` for every primitive that the ray may meet.
+    fn each_near(&self, ray: &Ray, look_at: &mut dyn FnMut(u32)) {
+        with_vectors!(
+            self.level,
+            simd => self.each_near_with(simd, ray, look_at),
+            else self.each_near_with(Fallback::new(), ray, look_at)
+        );
+    }
+
+    #[inline(always)]
+    fn each_near_with<S: Simd>(&self, simd: S, ray: &Ray, look_at: &mut dyn FnMut(u32)) {
+        let Some(boxes) = BoxRay::new(simd, ray) else { return };
+        let packs = PackRay::new(simd, ray, boxes.scale);
+        let mut limit = limit_of(f64::from(ray.t_max), boxes.scale);
+        let root = (Inside::node(0), 0.0);
+        traverse(
+            &self.nodes,
+            &boxes,
+            Order::Any,
+            root,
+            &mut limit,
+            #[inline(always)]
+            |leaf, limit| {
                 for pack in self.packs_of(leaf.inside).1 {
                     let mut may = packs.meet(pack, leaf.way, *limit).may.to_bitmask();
                     while may != 0 {
@@ -535,8 +648,8 @@ impl Surfaces {
                 }
                 self.singles_of(leaf).iter().for_each(|number| look_at(*number));
                 false
-            });
-        });
+            },
+        );
     }
 }
 

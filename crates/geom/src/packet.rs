@@ -31,6 +31,9 @@ pub struct RayPacket {
     pub t_min: [f32; LANES],
     /// As in [`Ray`].
     pub t_max: [f32; LANES],
+    /// The triangle that each ray starts on and leaves, so that it need not be met again;
+    /// [`HitPacket::NOTHING`] if none, or if it is not known: what is found is the same.
+    pub leaves: [u32; LANES],
 }
 
 impl RayPacket {
@@ -40,6 +43,7 @@ impl RayPacket {
         direction: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
         t_min: [0.0; LANES],
         t_max: [-1.0; LANES],
+        leaves: [HitPacket::NOTHING; LANES],
     };
 
     /// Up to eight rays.
@@ -51,6 +55,12 @@ impl RayPacket {
         packet
     }
 
+    /// Whether there is a ray.
+    #[inline]
+    pub fn is_there(&self, lane: usize) -> bool {
+        self.t_min[lane] < self.t_max[lane]
+    }
+
     /// Puts a ray in its place.
     #[inline]
     pub fn set(&mut self, lane: usize, ray: &Ray) {
@@ -60,6 +70,7 @@ impl RayPacket {
         }
         self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
+        self.leaves[lane] = HitPacket::NOTHING;
     }
 
     /// One of them.
@@ -97,6 +108,16 @@ impl HitPacket {
     /// The number of no primitive.
     pub const NOTHING: u32 = u32::MAX;
 
+    /// No hits.
+    pub const NONE: Self = Self {
+        primitive: [Self::NOTHING; LANES],
+        t: [0.0; LANES],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        position: [[0.0; LANES]; 3],
+        normal: [[0.0; LANES]; 3],
+    };
+
     /// What one of the rays met.
     #[inline]
     pub fn hit(&self, lane: usize) -> Option<Hit> {
@@ -131,6 +152,7 @@ pub(crate) struct RaysReady<S: Simd> {
     /// Nothing beyond this matters, in the units of the boxes.
     pub(crate) limit: f32x8<S>,
     end: f32x8<S>,
+    leaves: u32x8<S>,
     /// The shear of `triangle.rs`, and the scale along the ray.
     shear: Xyz<f32x8<S>>,
     /// The same as the rows of a matrix.
@@ -209,10 +231,8 @@ impl<S: Simd> RaysReady<S> {
         // Boxes.
         let size = each!(direction, d => d.abs());
         let longest = size.x.max(size.y).max(size.z);
-        let there = is_finite(origin)
-            & is_finite(direction)
-            & longest.simd_gt(zero)
-            & t_min.simd_lt(t_max);
+        let there =
+            is_finite(origin) & is_finite(direction) & longest.simd_gt(zero) & t_min.simd_lt(t_max);
         let bits: u32x8<S> = longest.bitcast();
         let scale: f32x8<S> =
             (bits & u32x8::splat(simd, 0x7f80_0000)).max(u32x8::splat(simd, 1 << 23)).bitcast();
@@ -247,6 +267,7 @@ impl<S: Simd> RaysReady<S> {
             boxes,
             limit,
             end: t_max * scale,
+            leaves: rays.leaves.simd_into(simd),
             shear: Xyz { x, y, z },
             rows: [
                 Xyz {
@@ -289,6 +310,13 @@ impl<S: Simd> RaysReady<S> {
         Xyz { x: p.dot(self.rows[0]), y: p.dot(self.rows[1]), z: p.dot(self.rows[2]) }
     }
 
+    /// The rays that start on a triangle and leave it.
+    #[inline(always)]
+    pub(crate) fn leaving(&self, primitive: u32) -> u32 {
+        let number = u32x8::splat(self.boxes.simd, primitive);
+        self.leaves.simd_eq(number).to_bitmask() as u32
+    }
+
     /// Sorts out one triangle for all rays, which enter its leaf's box at `enter`.
     #[inline(always)]
     pub(crate) fn sort_out(
@@ -298,11 +326,8 @@ impl<S: Simd> RaysReady<S> {
         enter: f32x8<S>,
         limit: f32x8<S>,
     ) -> Sorted<f32x8<S>, mask32x8<S>> {
-        let corners = [
-            self.sheared(pack, 0, lane),
-            self.sheared(pack, 1, lane),
-            self.sheared(pack, 2, lane),
-        ];
+        let corners =
+            [self.sheared(pack, 0, lane), self.sheared(pack, 1, lane), self.sheared(pack, 2, lane)];
         let edge = f32x8::splat(self.boxes.simd, pack.edges[lane]);
         let way = enter * (2.0 * SLACK) + pack.extent;
         sort_out(corners, edge, way, Reach { start: self.boxes.start, end: self.end, limit })
@@ -319,16 +344,12 @@ impl<S: Simd> RaysReady<S> {
         let simd = self.boxes.simd;
         let nil = f64x8::splat(simd, 0.0);
         let ray = &self.exact;
-        let single =
-            [load(simd, &corners[0]), load(simd, &corners[1]), load(simd, &corners[2])];
+        let single = [load(simd, &corners[0]), load(simd, &corners[1]), load(simd, &corners[2])];
         let [a, b, c] = single;
         let (a, b, c) = (each!(a, v => widen(v)), each!(b, v => widen(v)), each!(c, v => widen(v)));
         let from_origin = a - ray.origin;
-        let (p, q, r) = (
-            ray.sheared(from_origin),
-            ray.sheared(b - ray.origin),
-            ray.sheared(c - ray.origin),
-        );
+        let (p, q, r) =
+            (ray.sheared(from_origin), ray.sheared(b - ray.origin), ray.sheared(c - ray.origin));
         let u = r.x * q.y - r.y * q.x;
         let v = p.x * r.y - p.y * r.x;
         let w = q.x * p.y - q.y * p.x;

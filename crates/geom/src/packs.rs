@@ -217,12 +217,7 @@ impl<S: Simd> PackRay<S> {
     /// Sorts out four triangles. The ray enters their leaf's box no farther from its origin than
     /// `way` along any axis, and nothing beyond `limit` matters.
     #[inline(always)]
-    pub(crate) fn meet(
-        &self,
-        pack: &Pack,
-        way: f32,
-        limit: f32,
-    ) -> Sorted<f32x4<S>, mask32x4<S>> {
+    pub(crate) fn meet(&self, pack: &Pack, way: f32, limit: f32) -> Sorted<f32x4<S>, mask32x4<S>> {
         let simd = self.simd;
         let corners = [self.sheared(pack, 0), self.sheared(pack, 1), self.sheared(pack, 2)];
         let way = f32x4::splat(simd, way + pack.extent);

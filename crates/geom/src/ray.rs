@@ -97,11 +97,7 @@ fn offset(position: Vec3, normal: Vec3, direction: Vec3, rounded: Vec3) -> Vec3 
 
 /// [`offset_origin`] in each lane.
 #[inline(always)]
-pub fn offset_origins<S: Simd>(
-    position: Xyz8<S>,
-    normal: Xyz8<S>,
-    direction: Xyz8<S>,
-) -> Xyz8<S> {
+pub fn offset_origins<S: Simd>(position: Xyz8<S>, normal: Xyz8<S>, direction: Xyz8<S>) -> Xyz8<S> {
     offset_each(position, normal, direction, each!(position, p => p.abs()))
 }
 
@@ -164,9 +160,11 @@ mod tests {
         };
         for i in 0..20_000 {
             let vector = |k: u32| -> [[f32; 8]; 3] {
-                std::array::from_fn(|axis| std::array::from_fn(|lane| {
-                    number(i * 72 + k * 24 + axis as u32 * 8 + lane as u32)
-                }))
+                std::array::from_fn(|axis| {
+                    std::array::from_fn(|lane| {
+                        number(i * 72 + k * 24 + axis as u32 * 8 + lane as u32)
+                    })
+                })
             };
             let v = [vector(0), vector(1), vector(2)];
             let (origins, ends) = fearless_simd::dispatch!(level, simd => {

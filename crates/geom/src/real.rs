@@ -435,12 +435,11 @@ mod tests {
         let level = fearless_simd::Level::new();
         let numbers: Vec<f32> = all_sizes().filter(|x| x.abs() < (1 << 20) as f32).collect();
         for chunk in numbers.as_chunks::<8>().0 {
-            let (sin, cos, exps): ([f32; 8], [f32; 8], [f32; 8]) =
-                fearless_simd::dispatch!(level, simd => {
-                    let x: f32x8<_> = (*chunk).simd_into(simd);
-                    let (sin, cos) = sin_cos_lanes(x);
-                    (sin.into(), cos.into(), exp_lanes(x).into())
-                });
+            let (sin, cos, exps): ([f32; 8], [f32; 8], [f32; 8]) = fearless_simd::dispatch!(level, simd => {
+                let x: f32x8<_> = (*chunk).simd_into(simd);
+                let (sin, cos) = sin_cos_lanes(x);
+                (sin.into(), cos.into(), exp_lanes(x).into())
+            });
             for (lane, &x) in chunk.iter().enumerate() {
                 let one = (super::sin_cos(x).0, super::sin_cos(x).1, super::exp(x));
                 assert_eq!(one, (sin[lane], cos[lane], exps[lane]), "{x:e}");

@@ -5,6 +5,52 @@
 
 use fearless_simd::Level;
 
+/// Evaluates an expression with the vector instructions of a level, which the name before the arrow
+/// stands for in it, or the other expression where there are none or none are wanted. A copy is
+/// compiled for each level, of everything that is inlined into it.
+///
+/// Like [`fearless_simd::dispatch`], but for the levels of [`Simd`] alone: others gain nothing here
+/// and would take long to compile.
+#[macro_export]
+macro_rules! with_vectors {
+    ($level:expr, $simd:ident => $op:expr, else $other:expr) => {{
+        use fearless_simd::Simd as _;
+        let level = $level;
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            if let Some($simd) = level.as_avx2() {
+                $simd.vectorize(
+                    #[inline(always)]
+                    || $op,
+                )
+            } else if let Some($simd) = level.as_sse4_2() {
+                $simd.vectorize(
+                    #[inline(always)]
+                    || $op,
+                )
+            } else {
+                $other
+            }
+        }
+        #[cfg(target_arch = "aarch64")]
+        {
+            if let Some($simd) = level.as_neon() {
+                $simd.vectorize(
+                    #[inline(always)]
+                    || $op,
+                )
+            } else {
+                $other
+            }
+        }
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+        {
+            let _ = level;
+            $other
+        }
+    }};
+}
+
 /// The instructions that traversal uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Simd {
@@ -25,7 +71,7 @@ impl Simd {
         let best = Level::new();
         match self {
             // Wider vectors gain nothing: a node has eight boxes.
-            Self::Auto => Some(if std::env::var_os("A512").is_some() { best } else { avx2(best).unwrap_or(best) }),
+            Self::Auto => Some(avx2(best).unwrap_or(best)),
             Self::Scalar => Some(Level::fallback()),
             Self::Sse4 => sse4(best),
             Self::Avx2 => avx2(best),

@@ -195,6 +195,11 @@ impl Surfaces {
         simd.level().map(|level| Self { level, ..self })
     }
 
+    /// The instructions that rays are traced with.
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
     /// What was built and what was left out. `bytes` counts the surfaces as well as the tree.
     pub fn report(&self) -> &BuildReport {
         &self.report

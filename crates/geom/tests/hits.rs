@@ -5,8 +5,9 @@ mod common;
 
 use common::{Random, aimed_ray, brute, meshes};
 use rayon::prelude::*;
+use rutilant_geom::lanes::LANES;
 use rutilant_geom::triangle::TriangleRay;
-use rutilant_geom::{BuildOptions, Ray, Simd, Surfaces, Vec3};
+use rutilant_geom::{BuildOptions, HitPacket, Ray, RayPacket, Simd, Surfaces, Vec3, offset_origin};
 
 /// Textbook formulas, every primitive in turn. A box left out wrongly, a wrong
 /// sign, a lost needle, a nearer hit replaced by a farther one: all show here.
@@ -57,6 +58,74 @@ fn the_tree_changes_no_bit() {
                 assert_eq!(other.closest(&ray), scene.closest(&ray), "{name}: {ray:?}");
                 assert_eq!(other.occluded(&ray), got.is_some(), "{name}: {ray:?}");
             }
+        });
+    }
+}
+
+/// Eight rays at once find what each finds alone, to the bit, with any instructions: rays that go
+/// everywhere, rays that go nearly together, those with and without an end, and places where there
+/// is no ray, or none that can be traced.
+#[test]
+fn packets_find_what_each_ray_finds() {
+    for (name, scene) in meshes::hard_scenes() {
+        let levels = at_every_level(&scene);
+        (0..6_000_u64).into_par_iter().for_each(|i| {
+            let mut random = Random(i << 20);
+            let first = aimed_ray(&scene, &mut random);
+            let rays: [Ray; LANES] = std::array::from_fn(|lane| {
+                let other = aimed_ray(&scene, &mut random);
+                let turned = first.direction + (other.direction - first.direction) * 1e-3;
+                let ray = if i % 2 == 0 { other } else { Ray { direction: turned, ..first } };
+                match (i as usize + 3 * lane) % 11 {
+                    0 => Ray { t_max: f32::INFINITY, ..ray },
+                    1 => Ray { t_max: ray.t_min, ..ray },
+                    2 => Ray { direction: Vec3::new(f32::NAN, 0.0, 1.0), ..ray },
+                    3 => Ray { origin: Vec3::splat(f32::INFINITY), ..ray },
+                    4 => Ray { t_max: random.unit(), ..ray },
+                    _ => ray,
+                }
+            });
+            let some = 1 + i as usize % LANES;
+            let packet = RayPacket::new(&rays[..some]);
+            for surfaces in &levels {
+                let (hits, blocked) =
+                    (surfaces.closest_packet(&packet), surfaces.occluded_packet(&packet));
+                for (lane, ray) in rays.iter().enumerate() {
+                    let expected = scene.closest(ray).filter(|_| lane < some);
+                    assert_eq!(hits.hit(lane), expected, "{name}: {ray:?}");
+                    assert_eq!(blocked >> lane & 1 == 1, expected.is_some(), "{name}: {ray:?}");
+                }
+            }
+        });
+    }
+}
+
+/// To know which triangle a ray leaves saves a test and changes nothing.
+#[test]
+fn what_a_ray_leaves_need_not_be_met() {
+    for (name, scene) in meshes::hard_scenes() {
+        let triangles = scene.triangles().len() as u32;
+        (0..6_000_u64).into_par_iter().for_each(|i| {
+            let mut random = Random(i << 20);
+            let mut packet = RayPacket::NONE;
+            let mut known = packet;
+            for lane in 0..LANES {
+                let Some(hit) = scene.closest(&aimed_ray(&scene, &mut random)) else { continue };
+                let direction = aimed_ray(&scene, &mut random).direction.normalize();
+                if hit.normal.dot(direction).abs() < 1e-5 {
+                    continue;
+                }
+                let origin = offset_origin(hit.position, hit.normal, direction);
+                packet.set(lane, &Ray::new(origin, direction));
+                known.set(lane, &Ray::new(origin, direction));
+                known.leaves[lane] =
+                    if hit.primitive < triangles { hit.primitive } else { HitPacket::NOTHING };
+            }
+            let (all, without) = (scene.closest_packet(&packet), scene.closest_packet(&known));
+            for lane in 0..LANES {
+                assert_eq!(all.hit(lane), without.hit(lane), "{name}: {:?}", packet.ray(lane));
+            }
+            assert_eq!(scene.occluded_packet(&packet), scene.occluded_packet(&known), "{name}");
         });
     }
 }

@@ -61,6 +61,11 @@ impl SurfaceInteraction {
         self.shading.to_local(self.wo)
     }
 
+    /// Where diffusely scattered rays start, before they are moved off.
+    pub(crate) fn smooth_position(&self) -> Vec3 {
+        self.smooth_position
+    }
+
     /// The origin of a ray that was scattered diffusely to the side that `wo` is on.
     pub fn reflected_origin(&self) -> Vec3 {
         offset_origin(self.smooth_position, self.normal, self.wo)

@@ -49,6 +49,7 @@ mod id;
 pub mod image;
 mod integrator;
 pub mod interaction;
+mod lanes;
 pub mod light;
 pub mod material;
 pub mod math;

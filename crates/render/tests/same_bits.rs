@@ -4,12 +4,15 @@ mod common;
 
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
-use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::film::Filter;
+use rutilant::geom::{Simd, Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::Environment;
-use rutilant::material::{Dielectric, Emission, Matte};
+use rutilant::light::{Environment, Light};
+use rutilant::material::{Absorption, Dielectric, Emission, Matte, Medium, Mirror, Mix};
 use rutilant::scene::Scene;
-use rutilant::settings::{Crop, Heuristic, SamplerKind, Settings};
+use rutilant::settings::{
+    Crop, Heuristic, LightSelection, Roulette, SamplerKind, Settings, Strategy,
+};
 use rutilant::shape::{Object, Shape};
 use rutilant::{Prepared, Session};
 use std::sync::Arc;
@@ -17,6 +20,10 @@ use std::time::Duration;
 
 /// Some of everything: glass, a lamp, a sky, a floor, a lens.
 fn scene() -> Arc<Prepared> {
+    Arc::new(Prepared::new(&open_scene()).unwrap())
+}
+
+fn open_scene() -> Scene {
     let mut camera = Perspective::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8).unwrap();
     camera.lens.aperture_radius = 0.05;
     let mut scene = Scene::new(camera);
@@ -38,7 +45,7 @@ fn scene() -> Arc<Prepared> {
     scene
         .objects
         .push(Object::new(Shape::Sphere { radius: 0.3 }, lamp).transformed(&at(0.0, 2.0, 0.0)));
-    Arc::new(Prepared::new(&scene).unwrap())
+    scene
 }
 
 fn settings(spp: u64) -> Settings {
@@ -74,12 +81,78 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
 }
 
-/// Four continued passes of 16 samples are 64 samples in one go.
+/// Eight paths at once are the paths that each is alone: the scalar level traces them one by one.
+/// All that differs must be noticed: lenses, skies, spheres, glass with colour in it, rough and
+/// layered materials, smooth meshes, every strategy, heuristic, roulette and way to choose lights.
+#[test]
+fn paths_together_are_those_alone() {
+    let scene = scene_of_everything();
+    let prepared = |simd| Prepared::new(&scene).unwrap().with_simd(simd).map(Arc::new);
+    let alone = prepared(Simd::Scalar).expect("no instructions are needed");
+    let usual = Settings { size: [37, 23], ..settings(6) };
+    let mut cases = vec![usual.clone()];
+    for strategy in [Strategy::BsdfOnly, Strategy::LightOnly, Strategy::Both] {
+        for heuristic in [Heuristic::Balance, Heuristic::Power] {
+            cases.push(Settings { strategy, heuristic, ..usual.clone() });
+        }
+    }
+    for roulette in [Roulette::Off, Roulette::Albedo] {
+        cases.push(Settings { roulette, max_depth: Some(9), ..usual.clone() });
+    }
+    for light_selection in [LightSelection::Uniform, LightSelection::Power] {
+        cases.push(Settings {
+            light_selection,
+            sampler: SamplerKind::Independent,
+            ..usual.clone()
+        });
+    }
+    cases.push(Settings { filter: Filter::Box { radius: 0.5 }, ..usual.clone() });
+    for simd in [Simd::Sse4, Simd::Avx2, Simd::Auto] {
+        let Some(together) = prepared(simd) else { continue };
+        for settings in &cases {
+            let (one, all) =
+                (render(&alone, settings.clone(), 1), render(&together, settings.clone(), 1));
+            assert_eq!(one.hash(), all.hash(), "{simd:?} {settings:?}");
+        }
+    }
+}
+
+/// What eight paths do at once, and what each does for itself.
+fn scene_of_everything() -> Scene {
+    let mut scene = open_scene();
+    let sphere = || Shape::Sphere { radius: 0.4 };
+    let add = |scene: &mut Scene, shape: Shape, material, [x, y, z]: [f32; 3]| {
+        let at = Transform::translate(Vec3::new(x, y, z));
+        scene.objects.push(Object::new(shape, material).transformed(&at));
+    };
+    let green = Dielectric {
+        interior: Medium { ior: 1.5, absorption: Absorption::Coefficient(Rgb::new(2.0, 0.1, 2.0)) },
+        ..Dielectric::new(1.5)
+    };
+    let green = scene.add_material(green);
+    add(&mut scene, Shape::Box { size: Vec3::splat(0.7) }, green, [0.4, -0.4, 1.2]);
+    let frosted = scene.add_material(Dielectric { roughness: 0.3, ..Dielectric::new(1.4) });
+    add(&mut scene, sphere(), frosted, [-0.2, -0.4, 1.5]);
+    let clay = scene.add_material(Matte { roughness: 0.8, ..Matte::new(Rgb::new(0.6, 0.3, 0.2)) });
+    add(&mut scene, sphere(), clay, [1.6, -0.4, 1.0]);
+    let mirror = scene.add_material(Mirror { reflectance: Rgb::grey(0.9) });
+    add(&mut scene, sphere(), mirror, [-1.6, -0.4, 1.0]);
+    let mixed = scene.add_material(Mix { first: clay, second: mirror, amount: 0.4 });
+    add(&mut scene, sphere(), mixed, [0.9, 0.6, -0.5]);
+    let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
+    add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
+    scene
+        .lights
+        .push(Light::Point { position: Vec3::new(0.0, 1.0, 2.0), intensity: Rgb::grey(2.0) });
+    scene
+}
+
+/// Four continued passes of 16 samples are 64 samples in one go, if as many were planned.
 #[test]
 fn continued_renderings_are_those_in_one_go() {
     let scene = scene();
     for heuristic in HEURISTICS {
-        let settings = |spp| Settings { heuristic, ..settings(spp) };
+        let settings = |spp| Settings { heuristic, planned_spp: Some(64), ..settings(spp) };
         let whole = render(&scene, settings(64), 2);
         let mut session = Session::start(Arc::clone(&scene), settings(16), 3).unwrap();
         for spp in [32, 48, 64] {

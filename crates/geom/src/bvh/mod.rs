@@ -18,5 +18,7 @@ pub use binary::{Bvh, MAX_DEPTH};
 pub use build::{BuildOptions, Quality};
 pub use built::{BuildReport, LeftOut};
 pub use node::{Content, Node, Siblings};
-pub(crate) use traverse::{BoxRay, BoxRays, Met, Order, SLACK, Visit, traverse, traverse_packet};
+pub(crate) use traverse::{
+    BoxRay, BoxRays, Met, Order, SLACK, Visit, limit_of, traverse, traverse_packet, way,
+};
 pub(crate) use wide::{Inside, PACK, WideNode, report, widened};

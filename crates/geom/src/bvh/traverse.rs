@@ -9,9 +9,10 @@
 //! slack than its 2γ(3), for the last culling by a distance that was rounded.
 
 use super::binary::MAX_DEPTH;
-use super::wide::{Inside, WIDTH, WideNode};
-use crate::{Ray, Vec3};
+use super::wide::{Inside, PACK, WIDTH, WideNode};
 use crate::lanes::{LANES, Xyz};
+use crate::packs::Pack;
+use crate::{Ray, Vec3};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
@@ -77,7 +78,7 @@ pub(crate) fn traverse<S: Simd>(
                 continue;
             }
         } else {
-            let met = Met { inside: next.inside(), way: boxes.way(next.enter()) };
+            let met = Met { inside: next.inside(), way: way(next.enter()) };
             if leaf(met, limit) {
                 return;
             }
@@ -116,7 +117,7 @@ impl Waiting {
     }
 }
 
-/// What is still to be visited by eight rays, and where each enters it; infinity where one does not.
+/// What is still to be visited by eight rays, and where each enters it; no number where one does not.
 #[derive(Clone, Copy)]
 pub(crate) struct WaitingPacket {
     pub(crate) inside: Inside,
@@ -136,7 +137,7 @@ pub(crate) fn traverse_packet<S: Simd>(
     mut each: impl FnMut(Visit<S>, &mut f32x8<S>),
 ) {
     let simd = boxes.simd;
-    let infinity = f32x8::splat(simd, f32::INFINITY);
+    let nowhere = f32x8::splat(simd, f32::NAN);
     let mut stack = ArrayVec::<WaitingPacket, { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
     let mut next = WaitingPacket { inside: Inside::node(0), enter: boxes.start.into() };
     loop {
@@ -159,7 +160,7 @@ pub(crate) fn traverse_packet<S: Simd>(
                 let met = met & active;
                 if met.any_true() {
                     let key = enter[lead];
-                    let enter: [f32; LANES] = met.select(enter, infinity).into();
+                    let enter: [f32; LANES] = met.select(enter, nowhere).into();
                     let mut at = keys.len();
                     keys.push(key);
                     stack.push(WaitingPacket { inside: node.inside[child], enter });
@@ -188,11 +189,16 @@ pub(crate) struct Visit<S: Simd> {
 }
 
 impl<S: Simd> Visit<S> {
-    /// Whether there are enough rays to meet the triangles of so many packs together.
+    /// Whether there are enough rays to meet the triangles of a leaf together, one after the other,
+    /// instead of each ray whole packs.
     #[inline(always)]
-    pub(crate) fn together(&self, packs: usize) -> bool {
-        let rays = self.mask.count_ones() as usize;
-        self.inside.as_node().is_none() && packs > 0 && 3 * rays > 2 * packs
+    pub(crate) fn together(&self, packs: &[Pack]) -> bool {
+        let Some(last) = packs.last() else { return false };
+        let triangles = (packs.len() - 1) * PACK + last.len();
+        // About so many instructions each takes.
+        const EACH: usize = 90;
+        const ALONE: usize = 60;
+        triangles * EACH <= self.mask.count_ones() as usize * (packs.len() * EACH + ALONE)
     }
 }
 
@@ -209,12 +215,7 @@ pub(crate) struct BoxRays<S: Simd> {
 impl<S: Simd> BoxRays<S> {
     /// Which rays enter a box before their `limit`, and where.
     #[inline(always)]
-    fn meet(
-        &self,
-        node: &WideNode,
-        child: usize,
-        limit: f32x8<S>,
-    ) -> (mask32x8<S>, f32x8<S>) {
+    fn meet(&self, node: &WideNode, child: usize, limit: f32x8<S>) -> (mask32x8<S>, f32x8<S>) {
         let simd = self.simd;
         let mut enter = self.start;
         let mut exit = f32x8::splat(simd, f32::INFINITY);
@@ -279,13 +280,7 @@ impl<S: Simd> BoxRay<S> {
 
     /// One of several rays that were made ready together.
     #[inline(always)]
-    pub(crate) fn ready(
-        simd: S,
-        origin: Vec3,
-        inverse: Vec3,
-        start: f32,
-        scale: f32,
-    ) -> Self {
+    pub(crate) fn ready(simd: S, origin: Vec3, inverse: Vec3, start: f32, scale: f32) -> Self {
         Self {
             simd,
             origin: [splat(simd, origin.x), splat(simd, origin.y), splat(simd, origin.z)],
@@ -315,19 +310,20 @@ impl<S: Simd> BoxRay<S> {
         let met = enter.simd_le(less(exit * SLACK, f32x8::splat(simd, limit)));
         (met.to_bitmask() as u32, enter.into())
     }
+}
 
-    /// A box that is entered beyond this holds no hit before `reach`, a ray's `t`.
-    #[inline(always)]
-    pub(crate) fn limit(&self, reach: f64) -> f32 {
-        (reach * f64::from(self.scale)) as f32 * SLACK
-    }
+/// A box that is entered beyond this holds no hit before `reach`, a ray's `t`. `scale` is that of
+/// the [`BoxRay`].
+#[inline(always)]
+pub(crate) fn limit_of(reach: f64, scale: f32) -> f32 {
+    (reach * f64::from(scale)) as f32 * SLACK
+}
 
-    /// How far along any axis the ray comes until `enter`.
-    #[inline(always)]
-    fn way(&self, enter: f32) -> f32 {
-        // The scaled direction is shorter than two along each axis.
-        2.0 * SLACK * enter
-    }
+/// How far along any axis a ray comes until `enter`.
+#[inline(always)]
+pub(crate) fn way(enter: f32) -> f32 {
+    // The scaled direction is shorter than two along each axis.
+    2.0 * SLACK * enter
 }
 
 #[inline(always)]
@@ -362,8 +358,8 @@ fn power_of_two_near(size: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::Simd;
     use crate::Aabb;
+    use crate::simd::Simd;
     use fearless_simd::dispatch;
 
     /// Whether a box is met, with all instructions that there are.

@@ -4,6 +4,9 @@
 //! sections 9.3.5 and 9.3.6; Schlick, "An Inexpensive BRDF Model for
 //! Physically-based Rendering", CGF 13(3), 1994.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
 /// Which formula gives the reflected part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fresnel {
@@ -41,6 +44,20 @@ impl Fresnel {
             }
         };
         (reflected, cos_t)
+    }
+
+    /// The same for eight surfaces, exactly.
+    #[inline(always)]
+    pub(super) fn dielectrics<S: Simd>(cos_i: f32x8<S>, eta: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+        let simd = eta.token();
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let sin2_t = (one - cos_i * cos_i).max(zero) / (eta * eta);
+        let total = sin2_t.simd_ge(one);
+        let cos_t = (one - sin2_t).sqrt();
+        let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+        let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+        let reflected = (parallel * parallel + perpendicular * perpendicular) * 0.5;
+        (total.select(one, reflected), total.select(zero, cos_t))
     }
 }
 

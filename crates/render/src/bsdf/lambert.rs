@@ -7,9 +7,12 @@
 //! Source: Lambert, *Photometria*, 1760; Pharr, Jakob, Humphreys, *Physically
 //! Based Rendering*, 4th ed., section 9.2.
 
-use super::sample::BsdfSample;
+use super::sample::{BsdfSample, BsdfSamples};
 use crate::color::Spectrum;
 use crate::math::warp;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, mask32x8};
+use rutilant_geom::lanes::Xyz8;
 use rutilant_geom::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -45,5 +48,27 @@ impl Lambert {
             delta: false,
             eta: 1.0,
         })
+    }
+
+    /// [`sample`](Self::sample) for eight surfaces.
+    #[inline(always)]
+    pub(crate) fn samples<S: Simd>(
+        albedo: Xyz8<S>,
+        wo: Xyz8<S>,
+        u: [f32x8<S>; 2],
+    ) -> BsdfSamples<S> {
+        let simd = wo.z.token();
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let up = warp::cosine_hemispheres(u);
+        let wi = up.negated().or(wo.z.simd_lt(zero), up);
+        let same_side = (wo.z * wi.z).simd_gt(zero);
+        BsdfSamples {
+            wi,
+            weight: albedo,
+            pdf: same_side.select(wi.z.abs() * FRAC_1_PI, zero),
+            eta: one,
+            delta: mask32x8::splat(simd, false),
+            valid: wi.z.simd_ne(zero) & wo.z.simd_ne(zero),
+        }
     }
 }

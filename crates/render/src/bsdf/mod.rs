@@ -29,6 +29,7 @@ pub use oren_nayar::OrenNayar;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use sample::BsdfSample;
+pub(crate) use sample::BsdfSamples;
 pub use thin_dielectric::ThinDielectric;
 pub use uniform_lambert::UniformLambert;
 
@@ -176,6 +177,19 @@ struct WeightedLobe {
     pmf: f32,
 }
 
+/// How a surface scatters light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Scattering {
+    /// Not at all.
+    Black,
+    /// A matte surface of this albedo.
+    Lambert(Spectrum),
+    /// A smooth border of this relative index, exactly as the Fresnel equations say.
+    Dielectric(f32),
+    /// Like nothing of the above.
+    Other,
+}
+
 impl From<Lobe> for Bsdf {
     fn from(lobe: Lobe) -> Self {
         Self::sum([(1.0, lobe)])
@@ -183,6 +197,28 @@ impl From<Lobe> for Bsdf {
 }
 
 impl Bsdf {
+    /// What it is, for eight paths at once.
+    pub(crate) fn scattering(&self) -> Scattering {
+        match &self.lobes {
+            [None, None] => Scattering::Black,
+            [Some(WeightedLobe { lobe, weight: 1.0, pmf: 1.0 }), None] => match lobe {
+                Lobe::Lambert(l) => Scattering::Lambert(l.albedo),
+                Lobe::Dielectric(SmoothDielectric { eta, fresnel: Fresnel::Exact }) => {
+                    Scattering::Dielectric(*eta)
+                }
+                Lobe::UniformLambert(_)
+                | Lobe::OrenNayar(_)
+                | Lobe::Mirror(_)
+                | Lobe::Conductor(_)
+                | Lobe::RoughConductor(_)
+                | Lobe::Dielectric(_)
+                | Lobe::RoughDielectric(_)
+                | Lobe::ThinDielectric(_) => Scattering::Other,
+            },
+            _ => Scattering::Other,
+        }
+    }
+
     /// The most lobes that one surface may have.
     pub const MAX_LOBES: usize = 2;
 

@@ -118,12 +118,17 @@ impl PreparedLens {
     /// through the middle, of a length that reaches the plane at distance 1.
     pub(super) fn ray(&self, chief: &Chief, pose: &Transform, u: Vec2) -> Ray {
         let Chief { mut origin, mut direction } = *chief;
-        if self.half_size.y > 0.0 {
+        if self.is_open() {
             let lens = (self.point(u) * self.half_size).extend(0.0);
             origin += lens;
             direction -= lens / self.focus_distance;
         }
         Ray::new(pose.point(origin), pose.vector(direction).normalize())
+    }
+
+    /// False for a pinhole.
+    pub(super) fn is_open(&self) -> bool {
+        self.half_size.y > 0.0
     }
 
     /// A point of the aperture, before it is squeezed, as if its radius were 1.

@@ -13,10 +13,12 @@ pub use perspective::Perspective;
 
 use crate::problem::SceneProblem;
 use equirectangular::PreparedEquirectangular;
+use fearless_simd::{Simd, f32x8};
 use lens::Chief;
 use orthographic::PreparedOrthographic;
 use perspective::PreparedPerspective;
-use rutilant_geom::{Ray, Transform, Vec2, Vec3};
+use rutilant_geom::lanes::LANES;
+use rutilant_geom::{Ray, RayPacket, Transform, Vec2, Vec3};
 
 /// A camera as the author describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,6 +145,31 @@ impl PreparedCamera {
             Self::Perspective(c) => c.ray(film, u),
             Self::Orthographic(c) => c.ray(film, u),
             Self::Equirectangular(c) => c.ray(film),
+        }
+    }
+
+    /// Whether it matters through which point of a lens a ray goes.
+    pub(crate) fn has_lens(&self) -> bool {
+        match self {
+            Self::Perspective(c) => c.has_lens(),
+            Self::Orthographic(c) => c.has_lens(),
+            Self::Equirectangular(_) => false,
+        }
+    }
+
+    /// [`ray`](Self::ray) for eight points of the film.
+    #[inline(always)]
+    pub(crate) fn rays<S: Simd>(&self, film: [f32x8<S>; 2], u: [f32x8<S>; 2]) -> RayPacket {
+        match self {
+            Self::Perspective(c) if !c.has_lens() => c.pinhole_rays(film),
+            Self::Perspective(_) | Self::Orthographic(_) | Self::Equirectangular(_) => {
+                let mut packet = RayPacket::NONE;
+                for lane in 0..LANES {
+                    let [film, u] = [film, u].map(|v| Vec2::new(v[0][lane], v[1][lane]));
+                    packet.set(lane, &self.ray(film, u));
+                }
+                packet
+            }
         }
     }
 }

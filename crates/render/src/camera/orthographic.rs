@@ -74,6 +74,10 @@ impl PreparedOrthographic {
         Chief { origin, direction: Vec3::NEG_Z }
     }
 
+    pub(super) fn has_lens(&self) -> bool {
+        self.lens.is_open()
+    }
+
     pub(super) fn ray(&self, film: Vec2, u: Vec2) -> Ray {
         self.lens.ray(&self.chief(film), &self.world_from_camera, u)
     }

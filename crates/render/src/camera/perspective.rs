@@ -8,7 +8,10 @@
 use super::lens::{Chief, Lens, PreparedLens};
 use super::pose;
 use crate::problem::{Place, SceneProblem};
-use rutilant_geom::{Ray, Transform, Vec2, Vec3, real};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+use rutilant_geom::lanes::{LANES, Xyz8};
+use rutilant_geom::{Ray, RayPacket, Transform, Vec2, Vec3, real};
 
 /// A camera that sees a pyramid in front of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +82,31 @@ impl PreparedPerspective {
 
     pub(super) fn ray(&self, film: Vec2, u: Vec2) -> Ray {
         self.lens.ray(&self.chief(film), &self.world_from_camera, u)
+    }
+
+    pub(super) fn has_lens(&self) -> bool {
+        self.lens.is_open()
+    }
+
+    /// The rays of a pinhole through eight points of the film.
+    #[inline(always)]
+    pub(super) fn pinhole_rays<S: Simd>(&self, [x, y]: [f32x8<S>; 2]) -> RayPacket {
+        let simd = x.token();
+        let right = x * self.per_pixel + self.corner.x;
+        let up = f32x8::splat(simd, self.corner.y) - y * self.per_pixel;
+        let back = f32x8::splat(simd, -1.0);
+        let [a, b, c] = self.world_from_camera.linear().to_cols_array_2d();
+        let direction = Xyz8::splat(simd, a).scaled(right)
+            + Xyz8::splat(simd, b).scaled(up)
+            + Xyz8::splat(simd, c).scaled(back);
+        let eye = self.world_from_camera.point(Vec3::ZERO);
+        RayPacket {
+            origin: eye.to_array().map(|v| [v; LANES]),
+            direction: direction.normalized().store(),
+            t_min: [0.0; LANES],
+            t_max: [f32::INFINITY; LANES],
+            ..RayPacket::NONE
+        }
     }
 }
 

@@ -10,6 +10,8 @@
 //! Proc. IEEE 66(1), 1978.
 
 use crate::problem::{Place, SceneProblem};
+use fearless_simd::{Simd, f32x8};
+use rutilant_geom::lanes::LANES;
 use rutilant_geom::{Vec2, real};
 
 /// How samples weigh around a pixel's centre. All are separable; radii are in pixels.
@@ -161,6 +163,24 @@ impl FilterSampler {
     }
 
     /// An offset in pixels, and what a sample there counts (1 on average).
+    /// [`sample`](Self::sample) for eight samples.
+    #[inline(always)]
+    pub(crate) fn sample_all<S: Simd>(&self, u: [f32x8<S>; 2]) -> ([f32x8<S>; 2], [f32; LANES]) {
+        if let ([sign], &[from, to]) = (&*self.signs, &*self.cumulative) {
+            let weight = sign * self.gain;
+            let [x, y] = u;
+            let across =
+                [(x - from) / (to - from) * 2.0 - 1.0, (y - from) / (to - from) * 2.0 - 1.0];
+            return ([across[0] * self.radius, across[1] * self.radius], [weight * weight; LANES]);
+        }
+        let (mut offset, mut weight) = (u, [0.0; LANES]);
+        for lane in 0..LANES {
+            let (o, w) = self.sample(Vec2::new(u[0][lane], u[1][lane]));
+            (offset[0][lane], offset[1][lane], weight[lane]) = (o.x, o.y, w);
+        }
+        (offset, weight)
+    }
+
     pub(crate) fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let ((x, wx), (y, wy)) = (self.sample_axis(u.x), self.sample_axis(u.y));
         (Vec2::new(x, y), wx * wy)

@@ -20,7 +20,7 @@ impl Bounce {
     }
 
     /// Which of the BSDF's ways to scatter.
-    fn lobe(self) -> u32 {
+    pub(crate) fn lobe(self) -> u32 {
         self.0
     }
 
@@ -30,7 +30,7 @@ impl Bounce {
     }
 
     /// Which light.
-    fn light(self) -> u32 {
+    pub(crate) fn light(self) -> u32 {
         self.0.wrapping_add(2)
     }
 

@@ -27,10 +27,20 @@ impl SeenEmission {
 
     /// A glowing surface.
     pub(super) fn of_surface(scene: &Prepared, at: &SurfaceInteraction) -> Option<Self> {
-        let emitter = at.emitter? as usize;
-        let radiance = scene.emitters()[emitter].glow()?.towards(at.wo, at.normal);
-        let seen = Self { radiance, emitter, position: at.position, normal: at.normal };
-        (!radiance.is_black()).then_some(seen)
+        Self::of_emitter(scene, at.emitter?, at.position, at.normal, at.wo)
+    }
+
+    /// The surface of this emitter at `position`, with its `normal` there, towards `wo`.
+    pub(super) fn of_emitter(
+        scene: &Prepared,
+        emitter: u32,
+        position: Vec3,
+        normal: Vec3,
+        wo: Vec3,
+    ) -> Option<Self> {
+        let emitter = emitter as usize;
+        let radiance = scene.emitters()[emitter].glow()?.towards(wo, normal);
+        (!radiance.is_black()).then_some(Self { radiance, emitter, position, normal })
     }
 
     /// The density, in 1/sr, with which light sampling at `from` would have chosen `wi`.

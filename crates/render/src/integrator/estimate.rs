@@ -1,5 +1,6 @@
 //! What every integrator does.
 
+use super::packet::Starts;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
@@ -16,6 +17,28 @@ pub(crate) trait Integrator: Sync {
         sampler: &S,
         rays: &mut u64,
     ) -> Spectrum;
+
+    /// What [`controlled`](Self::controlled) gives for each start, eight for each packet, in their
+    /// order.
+    fn estimates<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        starts: &[Starts<S>],
+        found: &mut Vec<(Spectrum, f32)>,
+        rays: &mut u64,
+    ) {
+        for starts in starts {
+            for (lane, sampler) in starts.samplers.iter().enumerate() {
+                let there = starts.rays.is_there(lane);
+                let ray = starts.rays.ray(lane);
+                found.push(if there {
+                    self.controlled(scene, ray, sampler, rays)
+                } else {
+                    (Spectrum::BLACK, 0.0)
+                });
+            }
+        }
+    }
 
     /// The same radiance, and a number whose mean is zero and whose noise the radiance may share,
     /// which the film then takes out. 0 for integrators that know of none.

@@ -8,6 +8,7 @@ mod emission;
 mod estimate;
 mod naive;
 mod optimal;
+mod packet;
 mod path;
 
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
@@ -15,4 +16,5 @@ pub(crate) use direct::Direct;
 pub(crate) use estimate::Integrator;
 pub(crate) use naive::Naive;
 pub(crate) use optimal::Optimal;
+pub(crate) use packet::Starts;
 pub(crate) use path::Path;

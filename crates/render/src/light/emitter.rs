@@ -7,7 +7,7 @@ use super::point::PointEmitter;
 use super::sample::{EmitterSample, Glow};
 use super::sphere::SphereEmitter;
 use super::spot::SpotEmitter;
-use super::triangle::{ParallelogramEmitter, TriangleEmitter};
+use super::triangle::{FlatEmitter, ParallelogramEmitter, TriangleEmitter};
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
 
@@ -76,6 +76,22 @@ impl Emitter {
         }
     }
 
+    /// A triangle or a parallelogram.
+    #[inline]
+    pub(crate) fn flat(&self) -> Option<&FlatEmitter> {
+        match self {
+            Self::Triangle(e) => Some(e.flat()),
+            Self::Parallelogram(e) => Some(e.flat()),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Distant(_)
+            | Self::Disk(_)
+            | Self::Sphere(_)
+            | Self::Environment(_)
+            | Self::Custom(_) => None,
+        }
+    }
+
     /// Emitted power in W per channel. `scene_radius` bounds what lights at infinity shine on.
     pub fn power(&self, scene_radius: f32) -> Spectrum {
         match self {
@@ -103,6 +119,11 @@ impl Emitter {
             | Self::Sphere(_)
             | Self::Custom(_) => false,
         }
+    }
+
+    /// True for light that comes from everywhere alike.
+    pub(crate) fn is_even_sky(&self) -> bool {
+        matches!(self, Self::Environment(sky) if sky.is_even())
     }
 
     /// True for lights that a ray can run into.

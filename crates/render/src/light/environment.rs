@@ -142,6 +142,11 @@ impl EnvironmentEmitter {
         (Self { sky, turn: real::sin_cos(environment.rotation) }, mended)
     }
 
+    /// Whether it is the same everywhere.
+    pub(super) fn is_even(&self) -> bool {
+        matches!(self.sky, Sky::Constant(_))
+    }
+
     /// Radiance seen in the unit direction `wi`, in W/(m² sr).
     pub fn radiance(&self, wi: Vec3) -> Spectrum {
         match &self.sky {

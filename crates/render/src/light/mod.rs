@@ -26,6 +26,7 @@ pub use sample::{EmitterSample, Glow};
 pub use selection::EmitterSelection;
 pub use sphere::SphereEmitter;
 pub use spot::SpotEmitter;
+pub(crate) use triangle::FlatEmitter;
 pub use triangle::{ParallelogramEmitter, TriangleEmitter};
 
 use crate::color::{Rgb, Spectrum};

@@ -26,24 +26,54 @@ pub enum EmitterSelection {
 impl EmitterSelection {
     /// Chooses among `emitters` in the way of `kind`; `scene_radius` as in [`Emitter::power`].
     pub fn new(kind: LightSelection, emitters: &[Emitter], scene_radius: f32) -> Self {
-        if emitters.is_empty() {
+        Self::among(kind, emitters, scene_radius, |_| true)
+    }
+
+    /// The same for paths that find light by scattered rays as well, weighted against each other:
+    /// then light from everywhere alike is left to those.
+    ///
+    /// Source: Karlík et al., "MIS Compensation: Optimizing Sampling Techniques in Multiple
+    /// Importance Sampling", SIGGRAPH Asia 2019: of an even sky nothing is left to sample.
+    pub(crate) fn beside_scattering(
+        kind: LightSelection,
+        emitters: &[Emitter],
+        scene_radius: f32,
+    ) -> Self {
+        Self::among(kind, emitters, scene_radius, |e| !e.is_even_sky())
+    }
+
+    fn among(
+        kind: LightSelection,
+        emitters: &[Emitter],
+        scene_radius: f32,
+        chosen: impl Fn(&Emitter) -> bool,
+    ) -> Self {
+        let count = emitters.iter().filter(|e| chosen(e)).count();
+        if count == 0 {
             return Self::None;
         }
-        let uniform = Self::Uniform(emitters.len() as u32);
+        let uniform = || {
+            if count == emitters.len() {
+                return Self::Uniform(count as u32);
+            }
+            let weights = emitters.iter().map(|e| f64::from(u8::from(chosen(e))));
+            Distribution1d::new(weights).map_or(Self::None, Self::Weighted)
+        };
         match kind {
-            LightSelection::Uniform => uniform,
-            LightSelection::Power if emitters.len() == 1 => uniform,
+            LightSelection::Uniform => uniform(),
+            LightSelection::Power if emitters.len() == 1 => uniform(),
             LightSelection::Power => {
                 let power = |e: &Emitter| f64::from(e.power(scene_radius).luminance());
                 let finite: f64 = emitters.iter().filter(|e| !e.is_infinite()).map(power).sum();
                 let weights = emitters.iter().map(|e| match e.is_infinite() {
+                    _ if !chosen(e) => 0.0,
                     true if power(e) == 0.0 => 0.0,
                     true if finite > 0.0 => finite,
                     true => 1.0,
                     false => power(e),
                 });
                 let weights: Vec<f64> = weights.collect();
-                Distribution1d::new(weights.into_iter()).map_or(uniform, Self::Weighted)
+                Distribution1d::new(weights.into_iter()).map_or_else(uniform, Self::Weighted)
             }
         }
     }

@@ -6,6 +6,9 @@
 //! Source: Shirley and Chiu 1997 (disk); Pharr, Jakob, Humphreys, *Physically
 //! Based Rendering*, 4th ed., appendix A.5.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+use rutilant_geom::lanes::{Xyz, Xyz8};
 use rutilant_geom::{Vec2, Vec3, real};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -52,6 +55,39 @@ fn concentric_polar(u: Vec2) -> (f32, f32) {
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     let d = concentric_disk(u);
     Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// [`concentric_disk`] for eight.
+#[inline(always)]
+pub(crate) fn concentric_disks<S: Simd>([x, y]: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
+    let simd = x.token();
+    let zero = f32x8::splat(simd, 0.0);
+    let (px, py) = (x * 2.0 - 1.0, y * 2.0 - 1.0);
+    let flat = px.abs().simd_gt(py.abs());
+    let radius = flat.select(px, py);
+    let centre = px.simd_eq(zero) & py.simd_eq(zero);
+    let part = flat.select(py, px) / radius * FRAC_PI_4;
+    let angle = flat.select(part, f32x8::splat(simd, FRAC_PI_2) - part);
+    let angle = centre.select(zero, angle);
+    let (sin, cos) = real::sin_cos_lanes(angle);
+    [radius * cos, radius * sin]
+}
+
+/// [`cosine_hemisphere`] for eight.
+#[inline(always)]
+pub(crate) fn cosine_hemispheres<S: Simd>(u: [f32x8<S>; 2]) -> Xyz8<S> {
+    let [x, y] = concentric_disks(u);
+    let zero = f32x8::splat(x.token(), 0.0);
+    let z = (f32x8::splat(x.token(), 1.0) - (x * x + y * y)).max(zero).sqrt();
+    Xyz { x, y, z }
+}
+
+/// [`uniform_triangle`] for eight.
+#[inline(always)]
+pub(crate) fn uniform_triangles<S: Simd>([x, y]: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
+    let upper = y.simd_gt(x);
+    let (half_x, half_y) = (x * 0.5, y * 0.5);
+    [upper.select(half_x, x - half_y), upper.select(y - half_x, half_y)]
 }
 
 /// The density of [`cosine_hemisphere`] in 1/sr, where `cos` is the direction's z.

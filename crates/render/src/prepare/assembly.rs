@@ -100,6 +100,8 @@ impl Assembly {
             bvh: *surfaces.report(),
             notes: self.notes,
         };
+        let has_borders = materials.iter().any(|m| m.border.is_some());
+        let is_plain = !materials.iter().any(|m| m.depends_on_place());
         let mut prepared = Prepared {
             camera: scene.camera,
             surfaces,
@@ -116,6 +118,8 @@ impl Assembly {
             environment,
             camera_media: Media::NONE,
             some_pass: self.some_pass,
+            has_borders,
+            is_plain,
             report,
         };
         prepared.camera_media = prepared.media_at(scene.camera.axis());

@@ -8,6 +8,7 @@ mod assembly;
 mod material;
 mod prepared;
 
+pub(crate) use crate::bsdf::Scattering;
 pub(crate) use material::PreparedMaterial;
 pub use prepared::{PrepareReport, Prepared};
 

@@ -35,6 +35,10 @@ pub struct Prepared {
     pub(super) light_beyond_sampling: bool,
     /// Whether there is a surface that rays pass.
     pub(super) some_pass: bool,
+    /// Whether there is a surface that light can cross.
+    pub(super) has_borders: bool,
+    /// Whether materials alone decide what surfaces do to light.
+    pub(super) is_plain: bool,
     pub(super) report: PrepareReport,
 }
 
@@ -86,6 +90,26 @@ pub(super) enum ObjectEmitters {
     Each(u32),
 }
 
+impl PreparedObject {
+    #[inline(always)]
+    fn emitter_of(&self, primitive: u32) -> Option<u32> {
+        match self.emitters {
+            ObjectEmitters::None => None,
+            ObjectEmitters::One(emitter) => Some(emitter),
+            ObjectEmitters::Each(first) => Some(first + (primitive - self.first_primitive)),
+        }
+    }
+}
+
+/// A surface, as far as it is the same everywhere.
+pub(crate) struct SurfaceOf<'p> {
+    pub(crate) material: &'p PreparedMaterial,
+    /// The number of the emitter that it is.
+    pub(crate) emitter: Option<u32>,
+    /// It has vertex normals.
+    pub(crate) smoothed: bool,
+}
+
 impl Prepared {
     /// What came of the scene.
     pub fn report(&self) -> &PrepareReport {
@@ -133,6 +157,32 @@ impl Prepared {
         if self.some_pass { self.occluded_behind_flames(ray) } else { self.surfaces.occluded(ray) }
     }
 
+    /// What rays meet.
+    pub(crate) fn surfaces(&self) -> &Surfaces {
+        &self.surfaces
+    }
+
+    /// Whether light can cross some of the surfaces.
+    pub(crate) fn has_borders(&self) -> bool {
+        self.has_borders
+    }
+
+    /// Whether every surface does to light what its material says, and nothing more.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.is_plain
+    }
+
+    /// What stands behind the number of a primitive.
+    #[inline(always)]
+    pub(crate) fn surface_of(&self, primitive: u32) -> SurfaceOf<'_> {
+        let object = &self.objects[self.object_of_primitive[primitive as usize] as usize];
+        SurfaceOf {
+            material: &self.materials[object.material as usize],
+            emitter: object.emitter_of(primitive),
+            smoothed: object.first_normal.is_some(),
+        }
+    }
+
     fn occluded_behind_flames(&self, ray: &Ray) -> bool {
         let mut ahead = *ray;
         while let Some(hit) = self.closest(&ahead) {
@@ -147,11 +197,7 @@ impl Prepared {
     /// What a ray that came along the unit vector `direction` finds at `hit`.
     pub fn interaction(&self, hit: &Hit, direction: Vec3) -> SurfaceInteraction {
         let object = self.object(hit);
-        let emitter = match object.emitters {
-            ObjectEmitters::None => None,
-            ObjectEmitters::One(emitter) => Some(emitter),
-            ObjectEmitters::Each(first) => Some(first + (hit.primitive - object.first_primitive)),
-        };
+        let emitter = object.emitter_of(hit.primitive);
         let flat =
             SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
         let Some(first_normal) = object.first_normal else { return flat };

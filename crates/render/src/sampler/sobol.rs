@@ -189,7 +189,10 @@ mod tests {
             for run in [0_u64, 5, (1 << (40 - m)) - 1] {
                 for dimension in 0..5 {
                     let points: Vec<Vec2> = (0..1_u64 << m)
-                        .map(|i| Sobol::new(&Sequence::new(9, 1 << 20), [11, 12], (run << m) + i).d2(dimension))
+                        .map(|i| {
+                            Sobol::new(&Sequence::new(9, 1 << 20), [11, 12], (run << m) + i)
+                                .d2(dimension)
+                        })
                         .collect();
                     for a in 0..=m {
                         let mut seen = vec![false; 1 << m];
@@ -239,11 +242,10 @@ mod tests {
             let sequence = Sequence::new(1, planned);
             let samplers = [0, 1, 2, 3, 4, 5, 6, 7].map(|i| Sobol::new(&sequence, [i, 9], 3));
             for dimension in 0..20 {
-                let (one, two): ([f32; LANES], [[f32; LANES]; 2]) =
-                    fearless_simd::dispatch!(level, simd => {
-                        let pair = Sobol::d2_of(simd, &samplers, dimension);
-                        (Sobol::d1_of(simd, &samplers, dimension).into(), pair.map(|v| v.into()))
-                    });
+                let (one, two): ([f32; LANES], [[f32; LANES]; 2]) = fearless_simd::dispatch!(level, simd => {
+                    let pair = Sobol::d2_of(simd, &samplers, dimension);
+                    (Sobol::d1_of(simd, &samplers, dimension).into(), pair.map(|v| v.into()))
+                });
                 for (lane, sampler) in samplers.iter().enumerate() {
                     assert_eq!(sampler.d1(dimension), one[lane]);
                     assert_eq!(sampler.d2(dimension), Vec2::new(two[0][lane], two[1][lane]));

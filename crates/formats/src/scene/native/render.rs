@@ -66,6 +66,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError>
         size: table.or("size", |v| v.wholes("two whole numbers [width, height]"), usual.size)?,
         crop: table.maybe("crop", crop)?,
         spp: table.or("spp", Value::whole, usual.spp)?,
+        planned_spp: None,
         max_depth: table.maybe("max_depth", Value::whole)?,
         integrator: table.or(
             "integrator",

@@ -1,0 +1,186 @@
+//! The surfaces that eight paths met.
+
+use crate::color::Spectrum;
+use crate::integrator::emission::SeenEmission;
+use crate::medium::Media;
+use crate::prepare::{Prepared, PreparedMaterial, Scattering};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, u32x8};
+use rutilant_geom::lanes::{LANES, Xyz8};
+use rutilant_geom::{HitPacket, RayPacket, Vec3};
+
+/// Where eight paths met surfaces. Arrays are (coordinate, path); sets have a bit for each path.
+pub(super) struct MetPacket<'p> {
+    pub(super) position: [[f32; LANES]; 3],
+    pub(super) normal: [[f32; LANES]; 3],
+    pub(super) shading_normal: [[f32; LANES]; 3],
+    pub(super) smooth_position: [[f32; LANES]; 3],
+    pub(super) distance: [f32; LANES],
+    primitive: [u32; LANES],
+    pub(super) materials: [Option<&'p PreparedMaterial>; LANES],
+    emitters: [Option<u32>; LANES],
+    /// What absorbs on the side that the path comes from, in 1/m; and beyond.
+    pub(super) absorption: [[f32; LANES]; 3],
+    pub(super) albedo: [[f32; LANES]; 3],
+    pub(super) eta: [f32; LANES],
+    /// Paths that left the scene.
+    pub(super) sky: u32,
+    /// Surfaces that are lights.
+    pub(super) glows: u32,
+    pub(super) black: u32,
+    pub(super) lambert: u32,
+    pub(super) dielectric: u32,
+    pub(super) other: u32,
+    /// Surfaces on which light sampling makes sense.
+    pub(super) spread: u32,
+    /// Of these the ones through which light may come.
+    pub(super) translucent: u32,
+}
+
+impl<'p> MetPacket<'p> {
+    #[inline(always)]
+    pub(super) fn new(scene: &'p Prepared, rays: &RayPacket, hits: &HitPacket, there: u32) -> Self {
+        let mut met = Self {
+            position: hits.position,
+            normal: hits.normal,
+            shading_normal: hits.normal,
+            smooth_position: hits.position,
+            distance: hits.t,
+            primitive: hits.primitive,
+            materials: [None; LANES],
+            emitters: [None; LANES],
+            absorption: [[0.0; LANES]; 3],
+            albedo: [[0.0; LANES]; 3],
+            eta: [1.0; LANES],
+            sky: 0,
+            glows: 0,
+            black: 0,
+            lambert: 0,
+            dielectric: 0,
+            other: 0,
+            spread: 0,
+            translucent: 0,
+        };
+        for lane in 0..LANES {
+            let bit = 1 << lane;
+            if there & bit == 0 {
+                continue;
+            }
+            let primitive = hits.primitive[lane];
+            if primitive == HitPacket::NOTHING {
+                met.sky |= bit;
+                met.distance[lane] = f32::INFINITY;
+                continue;
+            }
+            let surface = scene.surface_of(primitive);
+            if surface.smoothed
+                && let Some(hit) = hits.hit(lane)
+            {
+                met.smooth(scene, lane, &scene.interaction(&hit, rays.ray(lane).direction));
+            }
+            met.emitters[lane] = surface.emitter;
+            met.glows |= u32::from(surface.emitter.is_some()) << lane;
+            let material = surface.material;
+            met.materials[lane] = Some(material);
+            match material.scattering {
+                Scattering::Black => met.black |= bit,
+                Scattering::Lambert(albedo) => {
+                    met.lambert |= bit;
+                    met.spread |= bit;
+                    let [r, g, b] = albedo.channels();
+                    (met.albedo[0][lane], met.albedo[1][lane], met.albedo[2][lane]) = (r, g, b);
+                }
+                Scattering::Dielectric(eta) => {
+                    met.dielectric |= bit;
+                    met.eta[lane] = eta;
+                }
+                Scattering::Other => {
+                    met.other |= bit;
+                    met.spread |= u32::from(!material.bsdf.is_delta()) << lane;
+                    met.translucent |= u32::from(material.bsdf.is_translucent()) << lane;
+                }
+            }
+        }
+        met
+    }
+
+    /// A point on a triangle with vertex normals.
+    #[inline(never)]
+    fn smooth(&mut self, _: &Prepared, lane: usize, at: &crate::interaction::SurfaceInteraction) {
+        for axis in 0..3 {
+            self.shading_normal[axis][lane] = at.shading.z[axis];
+            self.smooth_position[axis][lane] = at.smooth_position()[axis];
+        }
+    }
+
+    /// The surfaces that rays do not meet again: they start on this side of them and go there.
+    #[inline(always)]
+    pub(super) fn left<S: Simd>(
+        &self,
+        normal: Xyz8<S>,
+        side: Xyz8<S>,
+        direction: Xyz8<S>,
+    ) -> [u32; LANES] {
+        /// A direction nearer to the surface than this may be on either side of it.
+        const CLEARLY: f32 = 1e-5;
+        let simd = normal.x.token();
+        let cos = normal.dot(direction);
+        let up = (normal.dot(side) * cos).simd_gt(f32x8::splat(simd, 0.0));
+        let leaves = up & cos.abs().simd_gt(f32x8::splat(simd, CLEARLY));
+        let nothing = u32x8::splat(simd, HitPacket::NOTHING);
+        leaves.select(self.primitive.simd_into(simd), nothing).into()
+    }
+
+    /// Light that starts at a surface, towards `wo`.
+    #[inline(always)]
+    pub(super) fn emission(&self, scene: &Prepared, lane: usize, wo: Vec3) -> Option<SeenEmission> {
+        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
+        let emitter = self.emitters[lane]?;
+        SeenEmission::of_emitter(scene, emitter, at(&self.position), at(&self.normal), wo)
+    }
+
+    /// Notes that the paths have come to borders, and what absorbs on the way to them.
+    #[inline(always)]
+    pub(super) fn arrive<S: Simd>(
+        &mut self,
+        there: u32,
+        cos: &f32x8<S>,
+        slot: &[u32; LANES],
+        media: &mut [Media],
+    ) {
+        for lane in 0..LANES {
+            if there >> lane & 1 == 0 {
+                continue;
+            }
+            let Some(media) = media.get_mut(slot[lane] as usize) else { continue };
+            if let Some(border) = self.materials[lane].and_then(|m| m.border.as_ref()) {
+                media.arrive_declared(border, cos[lane] > 0.0);
+            }
+            let [r, g, b] = media.absorption.channels();
+            let all = &mut self.absorption;
+            (all[0][lane], all[1][lane], all[2][lane]) = (r, g, b);
+        }
+    }
+
+    /// What absorbs on the other side of a surface, in 1/m.
+    #[inline(always)]
+    pub(super) fn absorption_beyond(
+        &self,
+        lane: usize,
+        from_front: bool,
+        media: &Media,
+    ) -> Spectrum {
+        match self.materials[lane].and_then(|m| m.border.as_ref()) {
+            Some(border) => media.beyond_declared(border, from_front),
+            None => media.absorption,
+        }
+    }
+
+    /// Notes in `media` that a path has gone through the surface.
+    #[inline(always)]
+    pub(super) fn cross(&self, lane: usize, from_front: bool, media: &mut Media) {
+        if let Some(border) = self.materials[lane].and_then(|m| m.border.as_ref()) {
+            media.pass_declared(border, from_front);
+        }
+    }
+}
