@@ -40,4 +40,3 @@ pub use simd::Simd;
 pub use sphere::Sphere;
 pub use surfaces::{Hit, Surfaces};
 pub use transform::Transform;
-

@@ -310,7 +310,15 @@ struct Task<'a> {
     part: Part,
 }
 
-impl<'a> Task<'a> {
+impl Task<'_> {
+    /// All of it in one leaf.
+    fn into_leaf(self) -> Node {
+        for (place, item) in self.order.iter_mut().zip(&*self.items) {
+            *place = item.number();
+        }
+        Node::leaf(self.part.bounds.aabb(), self.place as u32, self.items.len() as u32)
+    }
+
     /// Both sides of a division.
     fn split(self, middle: usize, parts: [Part; 2]) -> [Self; 2] {
         let (left, right) = self.items.split_at_mut(middle);
@@ -387,7 +395,7 @@ impl<'a> Builder<'a> {
             return Grown::Part(root, self.out);
         }
         let Some((middle, parts)) = self.divide(task.items, &task.part, task.depth) else {
-            return Grown::Part(leaf(task), Vec::new());
+            return Grown::Part(task.into_leaf(), Vec::new());
         };
         let bounds = task.part.bounds.aabb();
         let (options, unit) = (self.options, self.unit);
@@ -408,7 +416,7 @@ impl<'a> Builder<'a> {
         }
         // Find the cheapest way to divide, or make a leaf.
         let Some((middle, parts)) = self.divide(task.items, &task.part, task.depth) else {
-            return leaf(task);
+            return task.into_leaf();
         };
         let bounds = task.part.bounds.aabb();
         // The children's place comes before all that is below them.
@@ -545,13 +553,6 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn leaf(task: Task<'_>) -> Node {
-    for (place, item) in task.order.iter_mut().zip(&*task.items) {
-        *place = item.number();
-    }
-    Node::leaf(task.part.bounds.aabb(), task.place as u32, task.items.len() as u32)
-}
-
 /// Few items, in the order of their middles along each axis at once: sorted once, they stay sorted
 /// when they are divided.
 struct Few {
@@ -633,8 +634,8 @@ impl Few {
 
     /// Half of them along the widest axis.
     fn halved(&self, (from, to): (usize, usize)) -> Split {
-        let centers = (from..to)
-            .fold(Span::EMPTY, |all, place| all.grown(self.at(0, place).center2()));
+        let centers =
+            (from..to).fold(Span::EMPTY, |all, place| all.grown(self.at(0, place).center2()));
         let axis = widest(&centers);
         let place = from + (to - from) / 2;
         let bounds = [self.around(axis, from, place), self.around(axis, place, to)];

@@ -109,7 +109,7 @@ const NODE_SIZE: f32 = 256.0 / 176.0;
 /// What the memory of a pack costs, where a ray through a box as large as the leaves typically are
 /// meets one at a cost of one. On a scanned mesh this saves 6 % of all memory, and rays are none the
 /// slower: fewer, fuller packs leave more to the cache.
-const MEMORY_COST: f32 = 1.0;
+const MEMORY_COST: f32 = 1.5;
 
 /// Takes the nodes of a binary tree together, in the way that costs least by the surface area
 /// heuristic; small parts of it become leaves.
@@ -267,7 +267,8 @@ impl<F: Fn(&Range<usize>) -> Option<f32> + Sync> Planner<'_, F> {
         let at = match node.content() {
             Content::Children(at) => at,
             Content::Primitives(places) => {
-                let cost = (self.cost)(&places).unwrap_or(places.len() as f32) * (area + self.memory);
+                let cost =
+                    (self.cost)(&places).unwrap_or(places.len() as f32) * (area + self.memory);
                 return (Plan::LEAF, Part { costs: [cost; WIDTH], places });
             }
         };
