@@ -220,8 +220,8 @@ impl Plan {
         self.0 >> 31 == 1
     }
 
-    fn with_left(self, boxes: usize, of_left: usize) -> Self {
-        Self(self.0 | (of_left as u32) << (3 * (boxes - 2)))
+    fn with_left(self, boxes: usize, of_left: u32) -> Self {
+        Self(self.0 | of_left << (3 * (boxes - 2)))
     }
 
     fn left(self, boxes: usize) -> usize {
@@ -239,13 +239,6 @@ struct Part {
     costs: [f32; WIDTH],
     /// Places in the order of the tree.
     places: Range<usize>,
-}
-
-impl Part {
-    /// Whether more boxes gain nothing.
-    fn is_flat(&self) -> bool {
-        self.costs[0] <= self.costs[WIDTH - 1]
-    }
 }
 
 /// Makes the plans.
@@ -293,35 +286,29 @@ impl<F: Fn(&Range<usize>) -> Option<f32> + Sync> Planner<'_, F> {
         let places = left.places.start..right.places.end;
 
         // Shared out between both children in the best way.
-        let mut shared = [(0, f32::INFINITY); WIDTH];
-        for boxes in 2..=WIDTH {
-            // What does not gain from more boxes takes one.
-            let (fewest, most) = match (left.is_flat(), right.is_flat()) {
-                (true, _) => (1, 1),
-                (false, true) => (boxes - 1, boxes - 1),
-                (false, false) => (1, boxes - 1),
-            };
-            let cost = |of_left: usize| left.costs[of_left - 1] + right.costs[boxes - of_left - 1];
-            let mut best = (fewest, cost(fewest));
-            for of_left in fewest + 1..=most {
-                if cost(of_left) < best.1 {
-                    best = (of_left, cost(of_left));
-                }
+        let (mut shared, mut of_left) = ([f32::INFINITY; WIDTH], [0_u32; WIDTH]);
+        // What the right child costs in one, two, … boxes less; infinitely much in none.
+        let mut right_in = [f32::INFINITY; 2 * WIDTH];
+        right_in[WIDTH..].copy_from_slice(&right.costs);
+        for (of_this, cost) in (1..WIDTH as u32).zip(left.costs) {
+            let rest = right_in.iter().skip(WIDTH - of_this as usize);
+            for ((shared, of_left), rest) in shared.iter_mut().zip(&mut of_left).zip(rest) {
+                let cheaper = cost + rest < *shared;
+                *of_left = if cheaper { of_this } else { *of_left };
+                *shared = if cheaper { cost + rest } else { *shared };
             }
-            shared[boxes - 1] = best;
         }
         // As one box: with all in a node below, or as a leaf.
-        let least = shared.iter().fold(f32::INFINITY, |least, (_, cost)| least.min(*cost));
+        let least = shared.iter().copied().fold(f32::INFINITY, f32::min);
         let below = area * NODE_COST + NODE_SIZE * self.memory + least;
         let leaf = (self.cost)(&places).map_or(f32::INFINITY, |cost| (area + self.memory) * cost);
         let mut plan = if leaf <= below { Plan::LEAF } else { Plan::NODE };
         let mut costs = [leaf.min(below); WIDTH];
         for boxes in 2..=WIDTH {
-            let (of_left, cost) = shared[boxes - 1];
             costs[boxes - 1] = costs[boxes - 2];
-            if cost < costs[boxes - 1] {
-                costs[boxes - 1] = cost;
-                plan = plan.with_left(boxes, of_left);
+            if shared[boxes - 1] < costs[boxes - 1] {
+                costs[boxes - 1] = shared[boxes - 1];
+                plan = plan.with_left(boxes, of_left[boxes - 1]);
             }
         }
         (plan, Part { costs, places })
