@@ -123,7 +123,8 @@ impl Surfaces {
         };
         let all_fit = fits([bvh.bounds().min, bvh.bounds().max, Vec3::ZERO]);
         let cost = |places: &Range<usize>| {
-            let only = || bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
+            let only =
+                || bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
             let most = if places.len() <= MOST_IN_LEAF && only() { MOST_IN_LEAF } else { 1 };
             (places.len() <= most).then(|| places.len().div_ceil(PACK) as f32)
         };

@@ -339,14 +339,14 @@ impl<'a> Builder<'a> {
     }
 
     /// Builds a part, large ones by several threads.
-    fn grow(mut self, task: Task<'_>) -> Grown {
+    fn grow(mut self, mut task: Task<'_>) -> Grown {
         if task.items.len() < PARALLEL_FROM {
             self.out.reserve(task.items.len() * 5 / 8);
             let root = self.node(task);
             return Grown::Part(root, self.out);
         }
         let Some((middle, parts)) = self.divide(task.items, &task.part, task.depth) else {
-            return Grown::Part(leaf(task), Vec::new());
+            return Grown::Part(leaf(&mut task), Vec::new());
         };
         let bounds = task.part.bounds.aabb();
         let (options, unit) = (self.options, self.unit);
@@ -357,7 +357,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Builds a part.
-    fn node(&mut self, task: Task<'_>) -> Node {
+    fn node(&mut self, mut task: Task<'_>) -> Node {
         if task.items.len() <= SWEPT {
             self.few.take(task.items);
             let few = (0, task.items.len());
@@ -367,7 +367,7 @@ impl<'a> Builder<'a> {
         }
         // Find the cheapest way to divide, or make a leaf.
         let Some((middle, parts)) = self.divide(task.items, &task.part, task.depth) else {
-            return leaf(task);
+            return leaf(&mut task);
         };
         let bounds = task.part.bounds.aabb();
         // The children's place comes before all that is below them.
@@ -501,7 +501,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn leaf(task: Task<'_>) -> Node {
+fn leaf(task: &mut Task<'_>) -> Node {
     for (place, item) in task.order.iter_mut().zip(&*task.items) {
         *place = item.number();
     }
@@ -589,8 +589,8 @@ impl Few {
 
     /// Half of them along the widest axis.
     fn halved(&self, (from, to): (usize, usize)) -> Split {
-        let centers = (from..to)
-            .fold(Span::EMPTY, |all, place| all.grown(self.at(0, place).center2()));
+        let centers =
+            (from..to).fold(Span::EMPTY, |all, place| all.grown(self.at(0, place).center2()));
         let axis = widest(&centers);
         let place = from + (to - from) / 2;
         let bounds = [self.around(axis, from, place), self.around(axis, place, to)];
