@@ -6,7 +6,7 @@ use crate::options;
 use crate::say::{print_json, print_line};
 use crate::text::{bytes, count, time};
 use rutilant_geom::lanes::LANES;
-use rutilant_geom::{BuildOptions, HitPacket, Ray, RayPacket, Surfaces, Vec3};
+use rutilant_geom::{HitPacket, Ray, RayPacket, Surfaces, Vec3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -38,6 +38,9 @@ pub(crate) struct RaysArgs {
     /// Instructions that rays are traced with
     #[arg(long, value_name = "NAME", value_enum, default_value_t = options::SimdLevel::Auto)]
     simd: options::SimdLevel,
+    /// How much time the tree is worth
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = options::Build::Default)]
+    build: options::Build,
     /// How often each set is traced
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repetitions: u32,
@@ -94,9 +97,8 @@ fn rays(args: &RaysArgs) -> Result<Exit, Failure> {
         .collect();
     let last = u32::try_from(positions.len()).map_err(|_| Failure::usage("too many triangles"))?;
     let indices: Vec<[u32; 3]> = (0..last).step_by(3).map(|i| [i, i + 1, i + 2]).collect();
-    let (surfaces, building) = timed(|| {
-        Surfaces::new(positions, indices, Vec::new(), Vec::new(), &BuildOptions::default())
-    });
+    let (surfaces, building) =
+        timed(|| Surfaces::new(positions, indices, Vec::new(), Vec::new(), &args.build.into()));
     let surfaces = surfaces.with_simd(args.simd.into()).ok_or_else(|| args.simd.missing())?;
 
     let built = surfaces.report();

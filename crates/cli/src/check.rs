@@ -62,7 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 /// themselves which file they are about.
 fn examine(path: &Path, reading: &Reading) -> Result<(String, Vec<String>), Failure> {
     let loaded = load::read(Some(path), reading, None)?;
-    let prepared = load::prepare(&loaded, options::SimdLevel::Auto)?;
+    let prepared = load::prepare(&loaded, options::Build::Default, options::SimdLevel::Auto)?;
     let notes = load::notes(&loaded, &prepared, &loaded.settings, Some(path));
     Ok((contents(&loaded.scene), notes))
 }

@@ -76,7 +76,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(pixel) = args.focus_on {
         focus::ask(&mut loaded.scene, pixel, loaded.settings.size)?;
     }
-    let (prepared, preparing) = timed(|| load::prepare(&loaded, options::SimdLevel::Auto));
+    let (prepared, preparing) =
+        timed(|| load::prepare(&loaded, options::Build::Default, options::SimdLevel::Auto));
     let prepared = prepared?;
     let report = prepared.report();
     let scene = &loaded.scene;

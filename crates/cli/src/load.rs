@@ -83,9 +83,10 @@ pub(crate) fn stem(scene: Option<&Path>) -> PathBuf {
 /// Makes a scene traceable.
 pub(crate) fn prepare(
     loaded: &LoadedScene,
+    build: options::Build,
     simd: options::SimdLevel,
 ) -> Result<Arc<Prepared>, Failure> {
-    let prepared = Prepared::new(&loaded.scene)?.with_simd(simd.into());
+    let prepared = Prepared::with_options(&loaded.scene, &build.into())?.with_simd(simd.into());
     prepared.map(Arc::new).ok_or_else(|| simd.missing())
 }
 

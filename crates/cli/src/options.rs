@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use clap::ValueEnum;
 use rutilant::display::Curve;
-use rutilant::geom::Simd;
+use rutilant::geom::{BuildOptions, Quality, Simd};
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
 use rutilant_formats::Limits;
 use std::time::Duration;
@@ -259,6 +259,27 @@ impl From<DisplayCurve> for Curve {
             DisplayCurve::Aces => Self::Aces,
             DisplayCurve::Agx => Self::Agx,
         }
+    }
+}
+
+/// How much time the tree that rays go through is worth.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Build {
+    /// Soonest there, for slower rays
+    Fast,
+    /// For most pictures
+    Default,
+    /// Several times as long, for a few percent faster rays
+    High,
+}
+
+impl From<Build> for BuildOptions {
+    fn from(build: Build) -> Self {
+        Self::from(match build {
+            Build::Fast => Quality::Fast,
+            Build::Default => Quality::Default,
+            Build::High => Quality::High,
+        })
     }
 }
 

@@ -95,6 +95,9 @@ pub(crate) struct Args {
     /// Instructions that rays are traced with; any give the same picture
     #[arg(long, value_name = "NAME", help_heading = RUNNING, value_enum, default_value_t = options::SimdLevel::Auto)]
     simd: options::SimdLevel,
+    /// How much time the tree that rays go through is worth; any gives the same picture
+    #[arg(long, value_name = "NAME", help_heading = RUNNING, value_enum, default_value_t = options::Build::Default)]
+    build: options::Build,
     /// How progress is shown
     #[arg(long, value_name = "STYLE", help_heading = RUNNING, value_enum, default_value_t = Style::Bar)]
     progress: Style,
@@ -184,7 +187,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
 
     // Prepare.
     let spinner = Spinner::start(style, "preparing");
-    let (prepared, preparing) = timed(|| load::prepare(&loaded, args.simd));
+    let (prepared, preparing) = timed(|| load::prepare(&loaded, args.build, args.simd));
     let prepared = prepared?;
     let mut notes = load::notes(&loaded, &prepared, &settings, args.scene.as_deref());
     let (focus, no_focus) = focus::find(&loaded.scene, &prepared, settings.size);

@@ -391,7 +391,7 @@ fn info_counts_what_is_there() {
 /// The picture is a function of the scene alone: the old program lost rows with 7 threads and
 /// shifted bands with 16.
 #[test]
-fn any_threads_and_instructions_give_the_same_pixels() {
+fn any_threads_instructions_and_trees_give_the_same_pixels() {
     let desk = Desk::new();
     let hash = |arguments: &str| {
         desk.json(&format!("room.toml -o a.exr --quiet --json {arguments}"))["hash"].clone()
@@ -402,6 +402,9 @@ fn any_threads_and_instructions_give_the_same_pixels() {
     }
     for simd in ["scalar", "auto"] {
         assert_eq!(hash(&format!("--simd {simd}")), expected, "{simd}");
+    }
+    for build in ["fast", "default", "high"] {
+        assert_eq!(hash(&format!("--build {build}")), expected, "{build}");
     }
     assert_ne!(hash("--seed 1"), expected);
     assert_ne!(hash("--sampler independent"), expected);

@@ -29,7 +29,7 @@ pub mod transform;
 pub mod triangle;
 
 pub use aabb::Aabb;
-pub use bvh::{BuildOptions, BuildReport, Bvh};
+pub use bvh::{BuildOptions, BuildReport, Bvh, Quality};
 pub use custom::{Custom, CustomHit, CustomRay, CustomShape};
 pub use disk::Disk;
 pub use frame::{Frame, Frames};

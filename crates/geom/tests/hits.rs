@@ -7,7 +7,9 @@ use common::{Random, aimed_ray, brute, meshes};
 use rayon::prelude::*;
 use rutilant_geom::lanes::LANES;
 use rutilant_geom::triangle::TriangleRay;
-use rutilant_geom::{BuildOptions, HitPacket, Ray, RayPacket, Simd, Surfaces, Vec3, offset_origin};
+use rutilant_geom::{
+    BuildOptions, HitPacket, Quality, Ray, RayPacket, Simd, Surfaces, Vec3, offset_origin,
+};
 
 /// Textbook formulas, every primitive in turn. A box left out wrongly, a wrong
 /// sign, a lost needle, a nearer hit replaced by a farther one: all show here.
@@ -209,6 +211,38 @@ fn the_order_of_primitives_does_not_matter() {
                 };
                 assert!(one.primitive == back || tie(), "{name}: {one:?} {other:?}");
                 assert!((one.position - other.position).length() <= 1e-3, "{one:?} {other:?}");
+            }
+        }
+    }
+}
+
+/// How much time a tree took does not change a bit of what is found in it, and the report counts
+/// the same primitives.
+#[test]
+fn the_quality_of_the_tree_changes_no_bit() {
+    for (name, scene) in meshes::hard_scenes() {
+        for quality in [Quality::Fast, Quality::High] {
+            let other = Surfaces::new(
+                scene.positions().to_vec(),
+                scene.triangles().to_vec(),
+                scene.spheres().to_vec(),
+                scene.disks().to_vec(),
+                &quality.into(),
+            );
+            let counted = |scene: &Surfaces| (scene.report().primitives, scene.report().left_out);
+            assert_eq!(counted(&other), counted(&scene), "{name}, {quality:?}");
+            for i in 0..20_000_u64 {
+                let ray = aimed_ray(&scene, &mut Random(i << 20));
+                assert_eq!(
+                    other.closest(&ray),
+                    scene.closest(&ray),
+                    "{name}, {quality:?}: {ray:?}"
+                );
+                assert_eq!(
+                    other.occluded(&ray),
+                    scene.occluded(&ray),
+                    "{name}, {quality:?}: {ray:?}"
+                );
             }
         }
     }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Random, aimed_ray, meshes};
 use rutilant_geom::bvh::{Content, MAX_DEPTH, Node};
-use rutilant_geom::{Aabb, BuildOptions, Bvh, Disk, Ray, Sphere, Surfaces, Vec3};
+use rutilant_geom::{Aabb, BuildOptions, Bvh, Disk, Quality, Ray, Sphere, Surfaces, Vec3};
 
 fn half_area(b: &Aabb) -> f64 {
     let e = b.max.as_dvec3() - b.min.as_dvec3();
@@ -193,9 +193,9 @@ fn the_tree_costs_hardly_more_than_by_trying_everything() {
 #[test]
 fn the_tree_does_not_depend_on_threads() {
     let bounds = random_boxes(60_000, &mut Random(8));
-    let build = |threads| {
+    let build = |quality: Quality, threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| Bvh::build(&bounds, &BuildOptions::default()))
+        pool.install(|| Bvh::build(&bounds, &quality.into()))
     };
     let bits = |bvh: &Bvh| {
         let nodes = bvh.root().into_iter().chain(bvh.siblings().iter().flat_map(|s| &s.0));
@@ -205,12 +205,74 @@ fn the_tree_does_not_depend_on_threads() {
         };
         (nodes.map(bits).collect::<Vec<_>>(), bvh.order().to_vec())
     };
-    let one = build(1);
-    for threads in [2, 3, 7] {
-        let other = build(threads);
-        assert!(bits(&one) == bits(&other), "{threads} threads");
-        assert_eq!(one, other);
+    for quality in QUALITIES {
+        let one = build(quality, 1);
+        for threads in [2, 3, 7] {
+            let other = build(quality, threads);
+            assert!(bits(&one) == bits(&other), "{quality:?}, {threads} threads");
+            assert_eq!(one, other);
+        }
     }
+}
+
+const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Default, Quality::High];
+
+/// However much time it takes, a tree is sound: with random boxes, all in one place, one inside
+/// the other, of all sizes, and as large as numbers go.
+#[test]
+fn trees_of_every_quality_are_sound() {
+    let random = &mut Random(9);
+    let nested =
+        (0..3000).map(|i| Aabb { min: Vec3::splat(-(i as f32)), max: Vec3::splat(i as f32) });
+    let sizes = (-120..120_i32).flat_map(|k| {
+        let size = f32::from_bits(((127 + k) as u32) << 23);
+        [Vec3::ONE, Vec3::NEG_ONE, Vec3::X, Vec3::Y]
+            .map(|p| Aabb::around([p * size, p * size * 1.01]))
+    });
+    let huge = (0..100).map(|i| Aabb::around([Vec3::splat((i - 50) as f32 * 6e36)]));
+    let mut scenes: Vec<Vec<Aabb>> =
+        [0, 1, 2, 3, 16, 17, 18, 100, 10_000].map(|n| random_boxes(n, random)).to_vec();
+    scenes.push(vec![Aabb { min: Vec3::ZERO, max: Vec3::ONE }; 3000]);
+    scenes.extend([nested.collect(), sizes.collect(), huge.collect()]);
+    for bounds in &scenes {
+        for quality in QUALITIES {
+            let options = BuildOptions::from(quality);
+            check_tree(&Bvh::build(bounds, &options), bounds, &options);
+        }
+    }
+}
+
+/// Parts that look for a better place find some: boxes are smaller together after every round, and
+/// by a tenth in the end where long boxes lie across each other.
+#[test]
+fn moving_parts_makes_trees_cheaper() {
+    let random = &mut Random(10);
+    let long: Vec<Aabb> = (0..5000)
+        .map(|i| {
+            let (p, mut along) = (random.point(), Vec3::splat(0.01));
+            along[i % 3] = 0.5;
+            Aabb::around([p - along, p + along])
+        })
+        .collect();
+    let cost = |rounds| {
+        let options = BuildOptions { rounds, ..BuildOptions::default() };
+        check_tree(&Bvh::build(&long, &options), &long, &options)
+    };
+    let costs = [0, 1, 2, 4].map(cost);
+    println!("{costs:?}");
+    assert!(costs.is_sorted_by(|before, after| after < before), "{costs:?}");
+    assert!(costs[3] < 0.9 * costs[0], "{costs:?}");
+}
+
+/// A tree may be bought with memory only up to a price: a scanned mesh, that is one of many small
+/// triangles which share vertices, takes at most 90 bytes for each.
+#[test]
+fn a_mesh_takes_little_memory() {
+    let scene = meshes::surfaces(meshes::icosphere(6));
+    let report = scene.report();
+    let each = report.bytes as f64 / report.primitives as f64;
+    println!("{each}");
+    assert!(each <= 90.0, "{each}");
 }
 
 /// Where the heuristic has nothing to divide by, halving does, within the bound.

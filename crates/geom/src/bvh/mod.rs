@@ -10,11 +10,12 @@ mod binary;
 mod build;
 mod built;
 mod node;
+mod optimize;
 mod traverse;
 mod wide;
 
 pub use binary::{Bvh, MAX_DEPTH};
-pub use build::BuildOptions;
+pub use build::{BuildOptions, Quality};
 pub use built::{BuildReport, LeftOut};
 pub use node::{Content, Node, Siblings};
 pub(crate) use traverse::{
