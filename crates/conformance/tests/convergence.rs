@@ -5,8 +5,8 @@ use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::film::Filter;
 use rutilant::geom::{Transform, Vec2, Vec3};
-use rutilant::image::Image;
-use rutilant::light::Environment;
+use rutilant::image::{Channel, Image};
+use rutilant::light::{Environment, Projection};
 use rutilant::material::Matte;
 use rutilant::sampler::{Independent, Sampler, Sequence, Sobol};
 use rutilant::scene::Scene;
@@ -43,8 +43,9 @@ fn errors<S: Sampler>(
     powers
         .map(|power| {
             let n = 1_u64 << power;
-            let sequence = Sequence::new(5, n);
             let error = |pixel: u32| {
+                // Pixels that share a sequence would share its luck.
+                let sequence = Sequence::new(pixel.into(), n);
                 let value = |i| {
                     let u = S::new(&sequence, [pixel % 20, pixel / 20], i).d2(3);
                     f(f64::from(u.x), f64::from(u.y))
@@ -184,17 +185,31 @@ fn optimal_weights_are_no_noisier_than_the_better_heuristic() {
     }
 }
 
-/// A matte plane that sends back the light of an even sky, a L, and this product.
-fn plane_under_an_even_sky() -> (Arc<Prepared>, f64) {
-    let (albedo, sky) = (0.8_f32, 1.5_f32);
+/// The radiance of the even skies here, and how white the plane under them is.
+const SKY: f32 = 1.5;
+const ALBEDO: f32 = 0.8;
+
+/// What the plane sends back, a L.
+const SENT_BACK: f64 = (ALBEDO * SKY) as f64;
+
+/// A matte plane.
+fn plane_under(sky: impl FnOnce(&mut Scene) -> Environment) -> Arc<Prepared> {
     let camera = Perspective::look_at(Vec3::new(0.0, 2.0, 0.1), Vec3::ZERO, 0.5).unwrap();
     let mut scene = Scene::new(camera);
-    scene.environment = Some(Environment::constant(Rgb::grey(sky)));
-    let plane = scene.add_material(Matte::new(Rgb::grey(albedo)));
+    scene.environment = Some(sky(&mut scene));
+    let plane = scene.add_material(Matte::new(Rgb::grey(ALBEDO)));
     let flat = Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
     let shape = Shape::Rectangle { size: Vec2::splat(100.0) };
     scene.objects.push(Object::new(shape, plane).transformed(&flat));
-    (Arc::new(Prepared::new(&scene).unwrap()), f64::from(albedo * sky))
+    Arc::new(Prepared::new(&scene).unwrap())
+}
+
+/// An even sky as a map, of equal pixels on equal areas: a plain colour would be left to
+/// scattered rays.
+fn even_map(scene: &mut Scene) -> Environment {
+    let channel = |name: &str| Channel { name: name.to_owned(), values: vec![SKY; 64] };
+    let map = scene.add_image(Image::new(8, 8, ["R", "G", "B"].map(channel).into()).unwrap());
+    Environment::map(map, Projection::Octahedral)
 }
 
 /// One heuristic's picture of it.
@@ -203,9 +218,10 @@ fn picture_of_the_plane(
     sampler: SamplerKind,
     spp: u64,
     heuristic: Heuristic,
+    seed: u64,
 ) -> Image {
     let (size, filter) = ([24; 2], Filter::Box { radius: 0.5 });
-    let settings = Settings { size, spp, sampler, filter, heuristic, ..Settings::default() };
+    let settings = Settings { size, spp, sampler, filter, heuristic, seed, ..Settings::default() };
     render(scene, settings, 2).unwrap()
 }
 
@@ -217,14 +233,14 @@ fn picture_of_the_plane(
 /// few samples, which cannot know yet, hardly more.
 #[test]
 fn optimal_weights_leave_no_noise_under_an_even_sky() {
-    let (scene, sent_back) = plane_under_an_even_sky();
+    let (scene, sent_back) = (plane_under(even_map), SENT_BACK);
     let spp = 1024_u32;
     let m = 0.5 * (1.0 - 0.25 * 5.0_f64.ln());
     let expected = sent_back * sent_back * m * (1.0 - 2.0 * m);
     let [optimal, balance, power] =
         [Heuristic::Optimal, Heuristic::Balance, Heuristic::Power].map(|heuristic| {
             let independent = SamplerKind::Independent;
-            let image = picture_of_the_plane(&scene, independent, spp.into(), heuristic);
+            let image = picture_of_the_plane(&scene, independent, spp.into(), heuristic, 0);
             let variances = image.channel("variance.G").unwrap().iter().map(|&v| f64::from(v));
             let variance = variances.sum::<f64>() * f64::from(spp) / (24.0 * 24.0);
             let values = image.channel("G").unwrap().iter().map(|&v| f64::from(v));
@@ -242,16 +258,36 @@ fn optimal_weights_leave_no_noise_under_an_even_sky() {
     assert!(optimal < 0.015 * balance && optimal < 0.05 * power, "{optimal}, {balance}, {power}");
 }
 
+/// Of an even sky that is told to be one nothing is left to light sampling: directions are drawn in
+/// proportion to what they bring, and there is no noise at all.
+#[test]
+fn an_even_sky_makes_no_noise() {
+    let scene = plane_under(|_| Environment::constant(Rgb::grey(SKY)));
+    let image = picture_of_the_plane(&scene, SamplerKind::Independent, 4, Heuristic::Power, 0);
+    for value in image.channel("G").unwrap() {
+        assert!((f64::from(*value) - SENT_BACK).abs() < 1e-6, "{value}");
+    }
+}
+
 /// With Sobol's points, which depend on each other, what pixels learn leans a little; the error
-/// with that and all is still well below that of the balance heuristic.
+/// with that and all is still well below that of the balance heuristic. Pixels share one sequence
+/// and its luck, so several pictures tell of the lean.
 #[test]
 fn with_sobols_points_optimal_weights_lean_little() {
-    let (scene, sent_back) = plane_under_an_even_sky();
+    const PICTURES: u64 = 8;
+    let scene = plane_under(even_map);
     let [[optimal, lean], [balance, _]] = [Heuristic::Optimal, Heuristic::Balance].map(|h| {
-        let image = picture_of_the_plane(&scene, SamplerKind::Sobol, 64, h);
-        let values = image.channel("G").unwrap().iter().map(|&v| f64::from(v) - sent_back);
-        let (sum, squares) = values.fold((0.0, 0.0), |(s, q), e| (s + e, q + e * e));
-        [(squares / 576.0).sqrt(), sum / 576.0].map(|error| error / sent_back)
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for seed in 0..PICTURES {
+            let image = picture_of_the_plane(&scene, SamplerKind::Sobol, 64, h, seed);
+            for value in image.channel("G").unwrap() {
+                let error = f64::from(*value) / SENT_BACK - 1.0;
+                sum += error;
+                squares += error * error;
+            }
+        }
+        let values = PICTURES as f64 * 24.0 * 24.0;
+        [(squares / values).sqrt(), sum / values]
     });
     println!("{optimal} with a lean of {lean}, {balance}");
     assert!(lean.abs() < 0.2 * optimal && lean.abs() < 1e-3, "{lean}, {optimal}");

@@ -183,7 +183,7 @@ fn custom_balls_are_balls() {
         ("naive", &solved, settings(IntegratorKind::Naive, None, 4)),
         ("marched", &marched, path(Strategy::Both, 5)),
     ];
-    let reference = render_with(&built_in, path(Strategy::Both, 6));
+    let reference = render_with(&built_in, path(Strategy::Both, 16));
     for (name, scene, way) in &ways {
         if let Some(worst) = disagreement(&reference, &render_with(scene, way.clone()), 6) {
             panic!("{name}: {worst}");

@@ -383,10 +383,9 @@ impl Surfaces {
                     if candidate.from <= limit[lane] {
                         let (pack, place) = self.pack_of(candidate.at);
                         primitive[lane] = self.order[pack.place(place)];
-                        for vertex in 0..3 {
-                            for axis in 0..3 {
-                                corners[vertex][axis][lane] = pack.vertices[vertex][axis][place];
-                            }
+                        let all = corners.iter_mut().flatten();
+                        for (lanes, of_pack) in all.zip(pack.vertices.iter().flatten()) {
+                            lanes[lane] = of_pack[place];
                         }
                         some = true;
                         break;

@@ -156,7 +156,7 @@ mod tests {
             let x = i.wrapping_mul(0x9e37_79b9);
             let x = (x ^ (x >> 15)).wrapping_mul(0x2c1b_3c6d) >> 8;
             let v = x as f32 / (1 << 23) as f32 - 1.0;
-            if x % 7 == 0 { 0.0 } else { v }
+            if x.is_multiple_of(7) { 0.0 } else { v }
         };
         for i in 0..20_000 {
             let vector = |k: u32| -> [[f32; 8]; 3] {

@@ -131,10 +131,12 @@ impl FlatEmitter {
         let (mut triangles, mut two_sided) = (0, 0);
         for (lane, light) in lights.iter().enumerate() {
             let emitted = light.glow.radiance.channels();
-            for axis in 0..3 {
-                for vertex in 0..3 {
-                    corners[vertex][axis][lane] = light.corners[vertex][axis];
+            for (lanes, corner) in corners.iter_mut().zip(light.corners) {
+                for axis in 0..3 {
+                    lanes[axis][lane] = corner[axis];
                 }
+            }
+            for axis in 0..3 {
                 normal[axis][lane] = light.normal[axis];
                 radiance[axis][lane] = emitted[axis];
             }

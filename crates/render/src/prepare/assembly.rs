@@ -101,7 +101,7 @@ impl Assembly {
             notes: self.notes,
         };
         let has_borders = materials.iter().any(|m| m.border.is_some());
-        let is_plain = !materials.iter().any(|m| m.depends_on_place());
+        let is_plain = !materials.iter().any(crate::prepare::PreparedMaterial::depends_on_place);
         let mut prepared = Prepared {
             camera: scene.camera,
             surfaces,

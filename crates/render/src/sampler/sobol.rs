@@ -155,7 +155,7 @@ fn permuted_lanes<S: Simd>(mut x: u32x8<S>, seed: u32) -> u32x8<S> {
     x += seed;
     x *= (seed >> 16) | 1;
     x ^= x * 0x0552_6c56;
-    x ^ x * 0x53a2_2864
+    x ^ (x * 0x53a2_2864)
 }
 
 #[inline(always)]
@@ -244,7 +244,7 @@ mod tests {
             for dimension in 0..20 {
                 let (one, two): ([f32; LANES], [[f32; LANES]; 2]) = fearless_simd::dispatch!(level, simd => {
                     let pair = Sobol::d2_of(simd, &samplers, dimension);
-                    (Sobol::d1_of(simd, &samplers, dimension).into(), pair.map(|v| v.into()))
+                    (Sobol::d1_of(simd, &samplers, dimension).into(), pair.map(Into::into))
                 });
                 for (lane, sampler) in samplers.iter().enumerate() {
                     assert_eq!(sampler.d1(dimension), one[lane]);
