@@ -5,8 +5,9 @@
 //!
 //! Everything here is inlined into the function that chose the instructions;
 //! what is not would be called, number by number. Closures are not, unless they
-//! say so, which is why there are none.
+//! say so, and are rare for that.
 
+use crate::Vec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f64x8, mask32x8, mask64x8};
 use std::ops::{Add, Mul, Sub};
@@ -147,8 +148,8 @@ impl<S: Simd> Xyz8<S> {
 
     /// One lane.
     #[inline(always)]
-    pub fn lane(&self, lane: usize) -> [f32; 3] {
-        [self.x[lane], self.y[lane], self.z[lane]]
+    pub fn lane(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }
 
     /// `self` where the mask is true.
@@ -194,14 +195,21 @@ impl<S: Simd> Xyz8<S> {
     }
 }
 
-/// Of the sign of `sign`.
+/// One of eight vectors, which are stored as (coordinate, lane).
 #[inline(always)]
-pub fn with_sign<S: Simd>(v: f32x8<S>, sign: f32x8<S>) -> f32x8<S> {
-    v.copysign(sign)
+pub fn at(v: &[[f32; LANES]; 3], lane: usize) -> Vec3 {
+    Vec3::new(v[0][lane], v[1][lane], v[2][lane])
 }
 
-/// The numbers from a function of the lane.
+/// The lanes of a set that has a bit for each.
 #[inline(always)]
-pub fn from_lanes<S: Simd>(simd: S, v: [f32; LANES]) -> f32x8<S> {
-    v.simd_into(simd)
+pub fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits.wrapping_sub(1);
+            (lane < LANES).then_some(lane)
+        },
+    )
 }

@@ -9,7 +9,7 @@ use crate::bvh::{
     BoxRay, Inside, Met, Order, PACK, SLACK, Visit, limit_of, traverse, traverse_packet, way,
 };
 use crate::custom::CustomHit;
-use crate::lanes::LANES;
+use crate::lanes::{LANES, each_lane};
 use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady};
 use crate::packs::{Pack, PackRay};
 use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
@@ -18,7 +18,7 @@ use crate::with_vectors;
 use crate::{Ray, Sphere, Vec3, real};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
-use fearless_simd::{Fallback, Simd, f32x8, mask32x8};
+use fearless_simd::{Fallback, Simd, f32x8, mask32x8, u32x8};
 use glam::DVec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -29,19 +29,6 @@ struct Candidate {
     at: u32,
     /// It is met no sooner.
     from: f32,
-}
-
-/// The lanes of a set that has a bit for each.
-#[inline(always)]
-fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(
-        #[inline(always)]
-        move || {
-            let lane = bits.trailing_zeros() as usize;
-            bits &= bits.wrapping_sub(1);
-            (lane < LANES).then_some(lane)
-        },
-    )
 }
 
 /// What has been found for one ray.
@@ -165,7 +152,7 @@ impl Surfaces {
         for (i, pack) in all.iter().enumerate() {
             let sorted = packs.meet(pack, way, *limit);
             let sure = sorted.sure.to_bitmask();
-            for lane in lanes_of(sorted.may.to_bitmask() as u32) {
+            for lane in each_lane(sorted.may.to_bitmask() as u32) {
                 let at = ((first + i) * PACK + lane % PACK) as u32;
                 self.note(Candidate { at, from: sorted.from[lane % PACK] }, ray, *limit, search);
                 if sure >> lane & 1 == 1 {
@@ -308,7 +295,7 @@ impl Surfaces {
             #[inline(always)]
             |visit: Visit<S>, limit| {
                 if visit.inside.as_node().is_some() {
-                    for lane in lanes_of(visit.mask) {
+                    for lane in each_lane(visit.mask) {
                         let from = (visit.inside, visit.enter[lane]);
                         let (boxes, packs) = (rays.boxes.one(lane), rays.packs(packet, lane));
                         let (search, ray) = (&mut searches[lane], packet.ray(lane));
@@ -318,14 +305,14 @@ impl Surfaces {
                 }
                 let (first, all) = self.packs_of(visit.inside);
                 if all.is_empty() {
-                    for lane in lanes_of(visit.mask) {
+                    for lane in each_lane(visit.mask) {
                         let leaf = Met { inside: visit.inside, way: 0.0 };
                         let (search, scale) = (&mut searches[lane], rays.boxes.scale[lane]);
                         let limit = &mut limit[lane];
                         self.search_singles(&packet.ray(lane), leaf, scale, limit, search);
                     }
                 } else if !visit.together(all) {
-                    for lane in lanes_of(visit.mask) {
+                    for lane in each_lane(visit.mask) {
                         let (search, packs) = (&mut searches[lane], rays.packs(packet, lane));
                         let way = way(visit.enter[lane]);
                         let ray = packet.ray(lane);
@@ -348,7 +335,7 @@ impl Surfaces {
                             }
                             may &= !rays.leaving(self.order[pack.place(lane)]);
                             let at = ((first + i) * PACK + lane) as u32;
-                            for ray in lanes_of(may) {
+                            for ray in each_lane(may) {
                                 let candidate = Candidate { at, from: sorted.from[ray] };
                                 let search = &mut searches[ray];
                                 self.note(candidate, &packet.ray(ray), limit[ray], search);
@@ -376,7 +363,7 @@ impl Surfaces {
         let mut nearest = NearestPacket::none(simd, packet);
         let mut corners = [[[0.0; LANES]; 3]; 3];
         loop {
-            let mut primitive = [u32::MAX; LANES];
+            let mut primitive = [HitPacket::NOTHING; LANES];
             let mut some = false;
             for (lane, search) in searches.iter_mut().enumerate() {
                 while let Some(candidate) = search.candidates.pop() {
@@ -440,7 +427,7 @@ impl Surfaces {
                 let together =
                     visit.inside.as_node().is_none() && !all.is_empty() && visit.together(all);
                 if !together {
-                    for lane in lanes_of(visit.mask) {
+                    for lane in each_lane(visit.mask) {
                         let from = (visit.inside, visit.enter[lane]);
                         let (boxes, packs) = (rays.boxes.one(lane), rays.packs(packet, lane));
                         let ray = packet.ray(lane);
@@ -464,7 +451,7 @@ impl Surfaces {
                         *limit = mask32x8::from_bitmask(simd, u64::from(sure)).select(gone, *limit);
                         // What is not certain waits until the others are done.
                         let at = ((first + i) * PACK + lane) as u32;
-                        for ray in lanes_of(may & !sure) {
+                        for ray in each_lane(may & !sure) {
                             let candidate = Candidate { at, from: f32::NEG_INFINITY };
                             let search = &mut searches[ray];
                             self.note(candidate, &packet.ray(ray), f32::INFINITY, search);
@@ -477,16 +464,16 @@ impl Surfaces {
                 }
             },
         );
-        let mut open = 0;
+        let mut open = false;
         for (lane, search) in searches.iter_mut().enumerate() {
             if blocked >> lane & 1 == 1 {
                 search.candidates.clear();
             }
-            open |= u32::from(!search.candidates.is_empty()) << lane;
+            open |= !search.candidates.is_empty();
         }
-        if open != 0 {
+        if open {
             let nearest = self.nearest_of(&rays, packet, &[f32::INFINITY; LANES], &mut searches);
-            let none = fearless_simd::u32x8::splat(simd, HitPacket::NOTHING);
+            let none = u32x8::splat(simd, HitPacket::NOTHING);
             blocked |= nearest.primitive.simd_ne(none).to_bitmask() as u32;
         }
         blocked

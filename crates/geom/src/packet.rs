@@ -5,18 +5,18 @@
 //! same way, so that each of the eight finds the bits that it finds alone.
 //!
 //! Rays that go the same way share the reading of nodes and triangles, and in
-//! any case the reckoning that every ray needs before and after. Where few of the eight go
-//! on together they go on one by one.
+//! any case the reckoning that every ray needs before and after. Where few of
+//! the eight go on together they go on one by one.
 //!
 //! Source: Benthin, Wald, Woop, Ernst, "Combining Single and Packet-Ray Tracing
 //! for Arbitrary Ray Distributions on the Intel MIC Architecture", TVCG 2012.
 
+use crate::Ray;
 use crate::bvh::{BoxRays, SLACK};
 use crate::each;
-use crate::lanes::{LANES, Xyz, narrow, narrow_mask, widen, widen_mask};
+use crate::lanes::{LANES, Xyz, Xyz8, at, narrow, narrow_mask, widen, widen_mask};
 use crate::packs::{Pack, PackRay, Reach, Sorted, sort_out, turned};
 use crate::surfaces::Hit;
-use crate::{Ray, Vec3};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f64x8, mask32x8, mask64x8, u32x8};
 
@@ -61,6 +61,22 @@ impl RayPacket {
         self.t_min[lane] < self.t_max[lane]
     }
 
+    /// Those that are there, a bit for each.
+    #[inline(always)]
+    pub fn there(&self) -> u32 {
+        (0..LANES).fold(0, |bits, lane| bits | u32::from(self.is_there(lane)) << lane)
+    }
+
+    /// Takes away all but these.
+    #[inline(always)]
+    pub fn keep(&mut self, which: u32) {
+        for (lane, t_max) in self.t_max.iter_mut().enumerate() {
+            if which >> lane & 1 == 0 {
+                *t_max = Self::NONE.t_max[lane];
+            }
+        }
+    }
+
     /// Puts a ray in its place.
     #[inline]
     pub fn set(&mut self, lane: usize, ray: &Ray) {
@@ -76,10 +92,9 @@ impl RayPacket {
     /// One of them.
     #[inline]
     pub fn ray(&self, lane: usize) -> Ray {
-        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
         Ray {
-            origin: at(&self.origin),
-            direction: at(&self.direction),
+            origin: at(&self.origin, lane),
+            direction: at(&self.direction, lane),
             t_min: self.t_min[lane],
             t_max: self.t_max[lane],
         }
@@ -121,14 +136,13 @@ impl HitPacket {
     /// What one of the rays met.
     #[inline]
     pub fn hit(&self, lane: usize) -> Option<Hit> {
-        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
         (self.primitive[lane] != Self::NOTHING).then(|| Hit {
             primitive: self.primitive[lane],
             t: self.t[lane],
             u: self.u[lane],
             v: self.v[lane],
-            position: at(&self.position),
-            normal: at(&self.normal),
+            position: at(&self.position, lane),
+            normal: at(&self.normal, lane),
         })
     }
 
@@ -154,9 +168,9 @@ pub(crate) struct RaysReady<S: Simd> {
     end: f32x8<S>,
     leaves: u32x8<S>,
     /// The shear of `triangle.rs`, and the scale along the ray.
-    shear: Xyz<f32x8<S>>,
+    shear: Xyz8<S>,
     /// The same as the rows of a matrix.
-    rows: [Xyz<f32x8<S>>; 3],
+    rows: [Xyz8<S>; 3],
     exact: Exact<S>,
 }
 
@@ -201,21 +215,11 @@ pub(crate) struct NearestPacket<S: Simd> {
     v: f64x8<S>,
     w: f64x8<S>,
     det: f64x8<S>,
-    corners: [Xyz<f32x8<S>>; 3],
+    corners: [Xyz8<S>; 3],
 }
 
 #[inline(always)]
-fn load<S: Simd>(simd: S, v: &[[f32; LANES]; 3]) -> Xyz<f32x8<S>> {
-    Xyz { x: v[0].simd_into(simd), y: v[1].simd_into(simd), z: v[2].simd_into(simd) }
-}
-
-#[inline(always)]
-fn store<S: Simd>(v: Xyz<f32x8<S>>) -> [[f32; LANES]; 3] {
-    [v.x.into(), v.y.into(), v.z.into()]
-}
-
-#[inline(always)]
-fn is_finite<S: Simd>(v: Xyz<f32x8<S>>) -> mask32x8<S> {
+fn is_finite<S: Simd>(v: Xyz8<S>) -> mask32x8<S> {
     let infinity = f32x8::splat(v.x.token(), f32::INFINITY);
     v.x.abs().simd_lt(infinity) & v.y.abs().simd_lt(infinity) & v.z.abs().simd_lt(infinity)
 }
@@ -223,14 +227,15 @@ fn is_finite<S: Simd>(v: Xyz<f32x8<S>>) -> mask32x8<S> {
 impl<S: Simd> RaysReady<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, rays: &RayPacket) -> Self {
-        let (origin, direction) = (load(simd, &rays.origin), load(simd, &rays.direction));
+        let (origin, direction) =
+            (Xyz8::load(simd, &rays.origin), Xyz8::load(simd, &rays.direction));
         let t_min: f32x8<S> = rays.t_min.simd_into(simd);
         let t_max: f32x8<S> = rays.t_max.simd_into(simd);
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
 
         // Boxes.
         let size = each!(direction, d => d.abs());
-        let longest = size.x.max(size.y).max(size.z);
+        let longest = size.largest();
         let there =
             is_finite(origin) & is_finite(direction) & longest.simd_gt(zero) & t_min.simd_lt(t_max);
         let bits: u32x8<S> = longest.bitcast();
@@ -294,13 +299,13 @@ impl<S: Simd> RaysReady<S> {
     #[inline(always)]
     pub(crate) fn packs(&self, rays: &RayPacket, lane: usize) -> PackRay<S> {
         let ray = rays.ray(lane);
-        let shear = Vec3::new(self.shear.x[lane], self.shear.y[lane], self.shear.z[lane]);
+        let shear = self.shear.lane(lane);
         let (start, end) = (self.boxes.start[lane], self.end[lane]);
         PackRay::turned(self.boxes.simd, turned(ray.direction), ray.origin, shear, start, end)
     }
 
     #[inline(always)]
-    fn sheared(&self, pack: &Pack, vertex: usize, lane: usize) -> Xyz<f32x8<S>> {
+    fn sheared(&self, pack: &Pack, vertex: usize, lane: usize) -> Xyz8<S> {
         let (v, simd) = (&pack.vertices[vertex], self.boxes.simd);
         let p = Xyz {
             x: f32x8::splat(simd, v[0][lane]),
@@ -344,7 +349,11 @@ impl<S: Simd> RaysReady<S> {
         let simd = self.boxes.simd;
         let nil = f64x8::splat(simd, 0.0);
         let ray = &self.exact;
-        let single = [load(simd, &corners[0]), load(simd, &corners[1]), load(simd, &corners[2])];
+        let single = [
+            Xyz8::load(simd, &corners[0]),
+            Xyz8::load(simd, &corners[1]),
+            Xyz8::load(simd, &corners[2]),
+        ];
         let [a, b, c] = single;
         let (a, b, c) = (each!(a, v => widen(v)), each!(b, v => widen(v)), each!(c, v => widen(v)));
         let from_origin = a - ray.origin;
@@ -430,8 +439,8 @@ impl<S: Simd> NearestPacket<S> {
             t: narrow(self.t).into(),
             u: narrow(u).into(),
             v: narrow(v).into(),
-            position: store(each!(position, p => narrow(p))),
-            normal: store(normal),
+            position: each!(position, p => narrow(p)).store(),
+            normal: normal.store(),
         }
     }
 }

@@ -3,17 +3,8 @@
 use crate::color::Spectrum;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
-use rutilant_geom::lanes::{LANES, Xyz8};
-use rutilant_geom::real;
-
-/// The lanes of a set that has a bit for each.
-pub(crate) fn each_lane(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
-}
+use rutilant_geom::lanes::Xyz8;
+use rutilant_geom::{Vec3, each, real};
 
 /// A set as a mask.
 #[inline(always)]
@@ -29,10 +20,10 @@ pub(crate) fn bits<S: Simd>(mask: mask32x8<S>) -> u32 {
 
 /// Writes one lane.
 #[inline(always)]
-pub(crate) fn put<S: Simd>(v: &mut Xyz8<S>, lane: usize, [x, y, z]: [f32; 3]) {
-    v.x[lane] = x;
-    v.y[lane] = y;
-    v.z[lane] = z;
+pub(crate) fn put<S: Simd>(v: &mut Xyz8<S>, lane: usize, new: Vec3) {
+    v.x[lane] = new.x;
+    v.y[lane] = new.y;
+    v.z[lane] = new.z;
 }
 
 /// The part of light that is left after each distance in metres: exp(−σ d), Beer's law, as in
@@ -43,7 +34,7 @@ pub(crate) fn transmittances<S: Simd>(absorption: Xyz8<S>, distance: f32x8<S>) -
     if absorption.is_zero().all_true() {
         return Xyz8::splat(simd, Spectrum::WHITE.channels());
     }
-    rutilant_geom::each!(absorption, sigma => {
+    each!(absorption, sigma => {
         let some = sigma.simd_gt(f32x8::splat(simd, 0.0));
         some.select(real::exp_lanes(-sigma * distance), f32x8::splat(simd, 1.0))
     })

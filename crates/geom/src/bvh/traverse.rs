@@ -10,7 +10,7 @@
 
 use super::binary::MAX_DEPTH;
 use super::wide::{Inside, PACK, WIDTH, WideNode};
-use crate::lanes::{LANES, Xyz};
+use crate::lanes::{LANES, Xyz, Xyz8};
 use crate::packs::Pack;
 use crate::{Ray, Vec3};
 use arrayvec::ArrayVec;
@@ -119,22 +119,22 @@ impl Waiting {
 
 /// What is still to be visited by eight rays, and where each enters it; no number where one does not.
 #[derive(Clone, Copy)]
-pub(crate) struct WaitingPacket {
-    pub(crate) inside: Inside,
-    pub(crate) enter: [f32; LANES],
+struct WaitingPacket {
+    inside: Inside,
+    enter: [f32; LANES],
 }
 
 /// Fewer rays than this go on alone.
-const TOGETHER: u32 = 7;
+const TOGETHER: u32 = 3;
 
-/// The same for eight rays. `leaf` is given where each ray enters the leaf; `alone` a part of the
-/// tree that only few may meet, and which ones, a bit for each.
+/// The same for eight rays, each with its limit. Calls `visit` for every leaf that some may meet, and
+/// for every part of the tree that only few may: they go on through it alone.
 #[inline(always)]
 pub(crate) fn traverse_packet<S: Simd>(
     nodes: &[WideNode],
     boxes: &BoxRays<S>,
     limit: &mut f32x8<S>,
-    mut each: impl FnMut(Visit<S>, &mut f32x8<S>),
+    mut visit: impl FnMut(Visit<S>, &mut f32x8<S>),
 ) {
     let simd = boxes.simd;
     let nowhere = f32x8::splat(simd, f32::NAN);
@@ -172,7 +172,7 @@ pub(crate) fn traverse_packet<S: Simd>(
                 }
             }
         } else if count > 0 {
-            each(Visit { inside: next.inside, enter, mask }, limit);
+            visit(Visit { inside: next.inside, enter, mask }, limit);
         }
         let Some(waiting) = stack.pop() else { return };
         next = waiting;
@@ -205,8 +205,8 @@ impl<S: Simd> Visit<S> {
 /// What all boxes ask of eight rays.
 pub(crate) struct BoxRays<S: Simd> {
     pub(crate) simd: S,
-    pub(crate) origin: Xyz<f32x8<S>>,
-    pub(crate) inverse: Xyz<f32x8<S>>,
+    pub(crate) origin: Xyz8<S>,
+    pub(crate) inverse: Xyz8<S>,
     pub(crate) negative: Xyz<mask32x8<S>>,
     pub(crate) start: f32x8<S>,
     pub(crate) scale: f32x8<S>,
@@ -238,8 +238,7 @@ impl<S: Simd> BoxRays<S> {
     /// One of them.
     #[inline(always)]
     pub(crate) fn one(&self, lane: usize) -> BoxRay<S> {
-        let origin = Vec3::new(self.origin.x[lane], self.origin.y[lane], self.origin.z[lane]);
-        let inverse = Vec3::new(self.inverse.x[lane], self.inverse.y[lane], self.inverse.z[lane]);
+        let (origin, inverse) = (self.origin.lane(lane), self.inverse.lane(lane));
         BoxRay::ready(self.simd, origin, inverse, self.start[lane], self.scale[lane])
     }
 }

@@ -162,7 +162,6 @@ impl FilterSampler {
         Self { radius, cumulative, signs, gain: (total_abs / total) as f32 }
     }
 
-    /// An offset in pixels, and what a sample there counts (1 on average).
     /// [`sample`](Self::sample) for eight samples.
     #[inline(always)]
     pub(crate) fn sample_all<S: Simd>(&self, u: [f32x8<S>; 2]) -> ([f32x8<S>; 2], [f32; LANES]) {
@@ -181,6 +180,7 @@ impl FilterSampler {
         (offset, weight)
     }
 
+    /// An offset in pixels, and what a sample there counts (1 on average).
     pub(crate) fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let ((x, wx), (y, wy)) = (self.sample_axis(u.x), self.sample_axis(u.y));
         (Vec2::new(x, y), wx * wy)

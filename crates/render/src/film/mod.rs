@@ -14,6 +14,7 @@ pub(crate) use filter::FilterSampler;
 
 use crate::color::Spectrum;
 use crate::image::{Channel, Image};
+use crate::math::morton;
 use learned::Learned;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -232,24 +233,6 @@ impl Film {
 /// Locks. What is locked here is whole between samples, so a thread that died did no harm.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The two numbers' bits in turn.
-fn morton(x: u32, y: u32) -> u64 {
-    let spread = |v: u32| {
-        let mut v = u64::from(v);
-        for (shift, mask) in [
-            (16, 0x0000_ffff_0000_ffff_u64),
-            (8, 0x00ff_00ff_00ff_00ff),
-            (4, 0x0f0f_0f0f_0f0f_0f0f),
-            (2, 0x3333_3333_3333_3333),
-            (1, 0x5555_5555_5555_5555),
-        ] {
-            v = (v | v << shift) & mask;
-        }
-        v
-    };
-    spread(x) | spread(y) << 1
 }
 
 #[cfg(test)]

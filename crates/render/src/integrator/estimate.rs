@@ -5,6 +5,7 @@ use crate::color::Spectrum;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;
+use rutilant_geom::lanes::LANES;
 
 /// Gives the radiance that one ray brings, estimated once.
 pub(crate) trait Integrator: Sync {
@@ -27,17 +28,32 @@ pub(crate) trait Integrator: Sync {
         found: &mut Vec<(Spectrum, f32)>,
         rays: &mut u64,
     ) {
-        for starts in starts {
-            for (lane, sampler) in starts.samplers.iter().enumerate() {
-                let there = starts.rays.is_there(lane);
-                let ray = starts.rays.ray(lane);
-                found.push(if there {
-                    self.controlled(scene, ray, sampler, rays)
+        let mut radiance = vec![Spectrum::BLACK; starts.len() * LANES];
+        if self.trace_together(scene, starts, &mut radiance, rays) {
+            found.extend(radiance.into_iter().map(|radiance| (radiance, 0.0)));
+            return;
+        }
+        for Starts { rays: first, samplers } in starts {
+            found.extend(samplers.iter().enumerate().map(|(lane, sampler)| {
+                if first.is_there(lane) {
+                    self.controlled(scene, first.ray(lane), sampler, rays)
                 } else {
                     (Spectrum::BLACK, 0.0)
-                });
-            }
+                }
+            }));
         }
+    }
+
+    /// Finds the radiance of all starts at once, if the integrator can do that in this scene, with
+    /// the bits that each would bring alone; false if it cannot.
+    fn trace_together<S: Sampler>(
+        &self,
+        _: &Prepared,
+        _: &[Starts<S>],
+        _: &mut [Spectrum],
+        _: &mut u64,
+    ) -> bool {
+        false
     }
 
     /// The same radiance, and a number whose mean is zero and whose noise the radiance may share,

@@ -22,7 +22,6 @@ use crate::light::EmitterSelection;
 use crate::prepare::{Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
 use crate::settings::{Heuristic, Roulette, Strategy};
-use rutilant_geom::lanes::LANES;
 use rutilant_geom::{Ray, Vec3, with_vectors};
 
 /// Path tracing with light and BSDF sampling.
@@ -54,29 +53,18 @@ impl Integrator for Path {
         self.trace(scene, camera_ray, sampler, rays, &mut ())
     }
 
-    fn estimates<S: Sampler>(
+    fn trace_together<S: Sampler>(
         &self,
         scene: &Prepared,
         starts: &[Starts<S>],
-        found: &mut Vec<(Spectrum, f32)>,
+        radiance: &mut [Spectrum],
         rays: &mut u64,
-    ) {
-        let mut radiance = vec![Spectrum::BLACK; starts.len() * LANES];
-        let together = scene.is_plain()
+    ) -> bool {
+        scene.is_plain()
             && with_vectors!(scene.surfaces().level(), simd => {
-                self.trace_all(simd, scene, starts, &mut radiance, rays);
+                self.trace_all(simd, scene, starts, radiance, rays);
                 true
-            }, else false);
-        if !together {
-            for (i, radiance) in radiance.iter_mut().enumerate() {
-                let (starts, lane) = (&starts[i / LANES], i % LANES);
-                if starts.rays.is_there(lane) {
-                    let ray = starts.rays.ray(lane);
-                    *radiance = self.radiance(scene, ray, &starts.samplers[lane], rays);
-                }
-            }
-        }
-        found.extend(radiance.into_iter().map(|radiance| (radiance, 0.0)));
+            }, else false)
     }
 }
 

@@ -3,5 +3,8 @@
 pub mod cube;
 pub mod distribution;
 pub mod lat_long;
+mod morton;
 pub mod octahedral;
 pub mod warp;
+
+pub(crate) use morton::morton;

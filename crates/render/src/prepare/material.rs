@@ -2,7 +2,7 @@
 
 use crate::bsdf::{
     Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
-    Scattering, SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
+    SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
 };
 use crate::material::{CustomMaterial, Dielectric, HemisphereSampling, Material, MaterialKind};
 use crate::medium::{Border, PreparedMedium};
@@ -14,8 +14,6 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedMaterial {
     pub(crate) bsdf: Bsdf,
-    /// The same for eight paths at once.
-    pub(crate) scattering: Scattering,
     /// Set where light can cross the surface.
     pub(crate) border: Option<Border>,
     /// The number of the custom material that tells the BSDF of each place.
@@ -27,8 +25,7 @@ pub(crate) struct PreparedMaterial {
 impl From<Bsdf> for PreparedMaterial {
     /// A surface that light does not cross.
     fn from(bsdf: Bsdf) -> Self {
-        let scattering = bsdf.scattering();
-        Self { bsdf, scattering, border: None, custom: None, passes: false }
+        Self { bsdf, border: None, custom: None, passes: false }
     }
 }
 
@@ -46,8 +43,7 @@ impl PreparedMaterial {
     /// The same as a border between the media that it lies between at some place.
     pub(crate) fn between(&self, here: Border) -> Self {
         let eta = here.interior.ior / here.exterior.ior;
-        let bsdf = self.bsdf.with_eta(eta);
-        Self { bsdf, scattering: bsdf.scattering(), border: Some(here), ..*self }
+        Self { bsdf: self.bsdf.with_eta(eta), border: Some(here), ..*self }
     }
 }
 
@@ -121,7 +117,6 @@ pub(super) fn prepare_materials(
                 customs.push(Arc::clone(custom));
             }
         }
-        prepared.scattering = prepared.bsdf.scattering();
         prepared
     };
     let materials = all.iter().enumerate().map(prepare).collect();

@@ -8,7 +8,6 @@ mod assembly;
 mod material;
 mod prepared;
 
-pub(crate) use crate::bsdf::Scattering;
 pub(crate) use material::PreparedMaterial;
 pub use prepared::{PrepareReport, Prepared};
 

@@ -19,7 +19,8 @@
 //! butterflies as in Ahmed, "An Implementation Algorithm of 2D Sobol Sequence
 //! Fast, Elegant, and Compact", EGSR 2024.
 
-use super::numbers::{GOLDEN, Sampler, Sequence, mix, unit, units};
+use super::numbers::{GOLDEN, Sampler, Sequence, mix, one_by_one, pairs_one_by_one, unit, units};
+use crate::math::morton;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
 use rutilant_geom::Vec2;
@@ -35,11 +36,11 @@ pub struct Sobol {
 }
 
 impl Sampler for Sobol {
-    fn new(sequence: &Sequence, pixel: [u32; 2], sample: u64) -> Self {
+    fn new(sequence: &Sequence, [x, y]: [u32; 2], sample: u64) -> Self {
         // Beyond what is planned a new sequence begins: there is no end.
         let run = sequence.planned_log2;
         let (block, within) = (sample >> run, sample & ((1 << run) - 1));
-        let place = u128::from(along_the_curve(pixel)) << run | u128::from(within);
+        let place = u128::from(morton(x, y)) << run | u128::from(within);
         // A sequence has 2³² points; large pictures are made of several.
         let part = (place >> 32) as u64;
         let key = mix(mix(sequence.seed.wrapping_add(GOLDEN)) ^ part);
@@ -65,7 +66,7 @@ impl Sampler for Sobol {
     #[inline(always)]
     fn d1_of<S: Simd>(simd: S, samplers: &[Self; LANES], dimension: u32) -> f32x8<S> {
         if !of_one_sequence(samplers) {
-            return super::numbers::one_by_one(simd, samplers, dimension);
+            return one_by_one(simd, samplers, dimension);
         }
         let word = samplers[0].word(dimension, 1);
         let index = reversed(permuted_lanes(places(simd, samplers), word as u32));
@@ -75,7 +76,7 @@ impl Sampler for Sobol {
     #[inline(always)]
     fn d2_of<S: Simd>(simd: S, samplers: &[Self; LANES], dimension: u32) -> [f32x8<S>; 2] {
         if !of_one_sequence(samplers) {
-            return super::numbers::pairs_one_by_one(simd, samplers, dimension);
+            return pairs_one_by_one(simd, samplers, dimension);
         }
         let word = samplers[0].word(dimension, 2);
         let scramble = mix(word);
@@ -90,24 +91,6 @@ impl Sobol {
     fn word(&self, dimension: u32, width: u64) -> u64 {
         mix(self.key ^ (u64::from(dimension) << 2 | width).wrapping_mul(GOLDEN))
     }
-}
-
-/// Where a pixel stands on a curve on which any aligned block of pixels stands together.
-fn along_the_curve([x, y]: [u32; 2]) -> u64 {
-    fn spread(v: u32) -> u64 {
-        let mut v = u64::from(v);
-        for (shift, mask) in [
-            (16, 0x0000_ffff_0000_ffff_u64),
-            (8, 0x00ff_00ff_00ff_00ff),
-            (4, 0x0f0f_0f0f_0f0f_0f0f),
-            (2, 0x3333_3333_3333_3333),
-            (1, 0x5555_5555_5555_5555),
-        ] {
-            v = (v | v << shift) & mask;
-        }
-        v
-    }
-    spread(x) | spread(y) << 1
 }
 
 #[inline(always)]

@@ -1,11 +1,11 @@
 //! Light that arrives directly from lights, at eight surfaces.
 
-use super::met::MetPacket;
+use super::met::{MetPacket, Surface};
 use super::paths::{PathPacket, add};
 use crate::color::Spectrum;
 use crate::integrator::Path;
 use crate::integrator::dimension::Bounce;
-use crate::lanes::{bits, each_lane, mask, put, transmittances};
+use crate::lanes::{bits, mask, put, transmittances};
 use crate::light::{EmitterSelection, FlatEmitter};
 use crate::medium::Media;
 use crate::prepare::Prepared;
@@ -13,20 +13,9 @@ use crate::sampler::Sampler;
 use crate::settings::{Heuristic, Strategy};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
-use rutilant_geom::lanes::{LANES, Xyz8};
-use rutilant_geom::{Frames, RayPacket, Vec2, Vec3, offset_origins};
+use rutilant_geom::lanes::{LANES, Xyz8, each_lane};
+use rutilant_geom::{RayPacket, Vec2, offset_origins};
 use std::f32::consts::FRAC_1_PI;
-
-/// Eight surface points.
-pub(super) struct Surface<S: Simd> {
-    pub(super) position: Xyz8<S>,
-    /// Where diffusely scattered rays start.
-    pub(super) smooth: Xyz8<S>,
-    pub(super) normal: Xyz8<S>,
-    pub(super) frame: Frames<S>,
-    pub(super) wo: Xyz8<S>,
-    pub(super) wo_local: Xyz8<S>,
-}
 
 /// Ways to lights, as in [`EmitterSample`](crate::light::EmitterSample).
 struct Ways<S: Simd> {
@@ -79,19 +68,12 @@ impl Path {
         let albedo = Xyz8::load(simd, &met.albedo);
         let mut scattered = albedo.scaled(cos * FRAC_1_PI).or(same_side, none);
         let mut bsdf_pdf = same_side.select(cos * FRAC_1_PI, zero);
-        let others = ways.some & met.other;
-        if others != 0 {
-            let mut values = scattered.store();
-            for lane in each_lane(others) {
-                let Some(material) = met.materials[lane] else { continue };
-                let (wo, wi) = (surface.wo_local.lane(lane), wi.lane(lane));
-                let (value, pdf) = material.bsdf.eval_cos_pdf(Vec3::from(wo), Vec3::from(wi));
-                for (values, value) in values.iter_mut().zip(value.channels()) {
-                    values[lane] = value;
-                }
-                bsdf_pdf[lane] = pdf;
-            }
-            scattered = Xyz8::load(simd, &values);
+        for lane in each_lane(ways.some & met.other) {
+            let Some(material) = met.materials[lane] else { continue };
+            let (wo, wi) = (surface.wo_local.lane(lane), wi.lane(lane));
+            let (value, pdf) = material.bsdf.eval_cos_pdf(wo, wi);
+            put(&mut scattered, lane, value.channels().into());
+            bsdf_pdf[lane] = pdf;
         }
         let delta = mask(simd, ways.delta);
         let share = match self.strategy {
@@ -149,7 +131,7 @@ impl Path {
         }
         let light = throughput.times(arrives);
         for lane in each_lane(free) {
-            add(radiance, paths.slot[lane], light.lane(lane));
+            add(radiance, paths.slot[lane], light.lane(lane).to_array().into());
         }
     }
 
@@ -169,7 +151,7 @@ impl Path {
         if self.selection.chooses() {
             let u = N::d1_of(simd, samplers, bounce.light());
             for lane in each_lane(wanted) {
-                match self.selection.select(Vec3::from(from.lane(lane)), u[lane]) {
+                match self.selection.select(from.lane(lane), u[lane]) {
                     Some(choice) => chosen[lane] = choice,
                     None => some &= !(1 << lane),
                 }
@@ -202,16 +184,16 @@ impl Path {
             endless: 0,
         };
         for lane in each_lane(some & others) {
-            let (point, u) = (Vec3::from(from.lane(lane)), Vec2::new(ux[lane], uy[lane]));
+            let (point, u) = (from.lane(lane), Vec2::new(ux[lane], uy[lane]));
             let Some(way) = scene.emitters()[chosen[lane].0].sample(point, u) else { continue };
             let bit = 1 << lane;
             ways.some |= bit;
-            put(&mut ways.wi, lane, way.wi.to_array());
-            put(&mut ways.radiance, lane, way.radiance.channels());
+            put(&mut ways.wi, lane, way.wi);
+            put(&mut ways.radiance, lane, way.radiance.channels().into());
             ways.pdf[lane] = way.pdf;
             ways.delta |= u32::from(way.delta) << lane;
             match way.end {
-                Some(end) => put(&mut ways.end, lane, end.to_array()),
+                Some(end) => put(&mut ways.end, lane, end),
                 None => ways.endless |= bit,
             }
         }

@@ -1,25 +1,37 @@
 //! The surfaces that eight paths met.
 
+use crate::bsdf::Scattering;
 use crate::color::Spectrum;
 use crate::integrator::emission::SeenEmission;
-use crate::medium::Media;
-use crate::prepare::{Prepared, PreparedMaterial, Scattering};
+use crate::interaction::SurfaceInteraction;
+use crate::medium::{Border, Media};
+use crate::prepare::{Prepared, PreparedMaterial};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
-use rutilant_geom::lanes::{LANES, Xyz8};
-use rutilant_geom::{HitPacket, RayPacket, Vec3};
+use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
+use rutilant_geom::{Frames, HitPacket, RayPacket, Vec3};
+
+/// Eight surface points.
+pub(super) struct Surface<S: Simd> {
+    pub(super) position: Xyz8<S>,
+    /// Where diffusely scattered rays start.
+    pub(super) smooth: Xyz8<S>,
+    pub(super) normal: Xyz8<S>,
+    pub(super) frame: Frames<S>,
+    pub(super) wo: Xyz8<S>,
+    pub(super) wo_local: Xyz8<S>,
+}
 
 /// Where eight paths met surfaces. Arrays are (coordinate, path); sets have a bit for each path.
 pub(super) struct MetPacket<'p> {
-    pub(super) position: [[f32; LANES]; 3],
-    pub(super) normal: [[f32; LANES]; 3],
-    pub(super) shading_normal: [[f32; LANES]; 3],
-    pub(super) smooth_position: [[f32; LANES]; 3],
+    hits: &'p HitPacket,
+    shading_normal: [[f32; LANES]; 3],
+    smooth_position: [[f32; LANES]; 3],
+    /// The way to the surface; infinite to the sky.
     pub(super) distance: [f32; LANES],
-    primitive: [u32; LANES],
     pub(super) materials: [Option<&'p PreparedMaterial>; LANES],
     emitters: [Option<u32>; LANES],
-    /// What absorbs on the side that the path comes from, in 1/m; and beyond.
+    /// What absorbs on the side that the path comes from, in 1/m.
     pub(super) absorption: [[f32; LANES]; 3],
     pub(super) albedo: [[f32; LANES]; 3],
     pub(super) eta: [f32; LANES],
@@ -39,14 +51,17 @@ pub(super) struct MetPacket<'p> {
 
 impl<'p> MetPacket<'p> {
     #[inline(always)]
-    pub(super) fn new(scene: &'p Prepared, rays: &RayPacket, hits: &HitPacket, there: u32) -> Self {
+    pub(super) fn new(
+        scene: &'p Prepared,
+        rays: &RayPacket,
+        hits: &'p HitPacket,
+        there: u32,
+    ) -> Self {
         let mut met = Self {
-            position: hits.position,
-            normal: hits.normal,
+            hits,
             shading_normal: hits.normal,
             smooth_position: hits.position,
             distance: hits.t,
-            primitive: hits.primitive,
             materials: [None; LANES],
             emitters: [None; LANES],
             absorption: [[0.0; LANES]; 3],
@@ -61,11 +76,8 @@ impl<'p> MetPacket<'p> {
             spread: 0,
             translucent: 0,
         };
-        for lane in 0..LANES {
+        for lane in each_lane(there) {
             let bit = 1 << lane;
-            if there & bit == 0 {
-                continue;
-            }
             let primitive = hits.primitive[lane];
             if primitive == HitPacket::NOTHING {
                 met.sky |= bit;
@@ -76,13 +88,13 @@ impl<'p> MetPacket<'p> {
             if surface.smoothed
                 && let Some(hit) = hits.hit(lane)
             {
-                met.smooth(scene, lane, &scene.interaction(&hit, rays.ray(lane).direction));
+                met.smooth(lane, &scene.interaction(&hit, at(&rays.direction, lane)));
             }
             met.emitters[lane] = surface.emitter;
             met.glows |= u32::from(surface.emitter.is_some()) << lane;
             let material = surface.material;
             met.materials[lane] = Some(material);
-            match material.scattering {
+            match material.bsdf.scattering() {
                 Scattering::Black => met.black |= bit,
                 Scattering::Lambert(albedo) => {
                     met.lambert |= bit;
@@ -106,10 +118,25 @@ impl<'p> MetPacket<'p> {
 
     /// A point on a triangle with vertex normals.
     #[inline(never)]
-    fn smooth(&mut self, _: &Prepared, lane: usize, at: &crate::interaction::SurfaceInteraction) {
+    fn smooth(&mut self, lane: usize, at: &SurfaceInteraction) {
         for axis in 0..3 {
             self.shading_normal[axis][lane] = at.shading.z[axis];
             self.smooth_position[axis][lane] = at.smooth_position()[axis];
+        }
+    }
+
+    /// The points themselves, seen along the directions of `rays`.
+    #[inline(always)]
+    pub(super) fn surface<S: Simd>(&self, simd: S, rays: &RayPacket) -> Surface<S> {
+        let frame = Frames::around(Xyz8::load(simd, &self.shading_normal));
+        let wo = Xyz8::load(simd, &rays.direction).negated();
+        Surface {
+            position: Xyz8::load(simd, &self.hits.position),
+            smooth: Xyz8::load(simd, &self.smooth_position),
+            normal: Xyz8::load(simd, &self.hits.normal),
+            frame,
+            wo,
+            wo_local: frame.to_local(wo),
         }
     }
 
@@ -128,15 +155,19 @@ impl<'p> MetPacket<'p> {
         let up = (normal.dot(side) * cos).simd_gt(f32x8::splat(simd, 0.0));
         let leaves = up & cos.abs().simd_gt(f32x8::splat(simd, CLEARLY));
         let nothing = u32x8::splat(simd, HitPacket::NOTHING);
-        leaves.select(self.primitive.simd_into(simd), nothing).into()
+        leaves.select(self.hits.primitive.simd_into(simd), nothing).into()
     }
 
     /// Light that starts at a surface, towards `wo`.
     #[inline(always)]
     pub(super) fn emission(&self, scene: &Prepared, lane: usize, wo: Vec3) -> Option<SeenEmission> {
-        let at = |v: &[[f32; LANES]; 3]| Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
-        let emitter = self.emitters[lane]?;
-        SeenEmission::of_emitter(scene, emitter, at(&self.position), at(&self.normal), wo)
+        let (position, normal) = (at(&self.hits.position, lane), at(&self.hits.normal, lane));
+        SeenEmission::of_emitter(scene, self.emitters[lane]?, position, normal, wo)
+    }
+
+    #[inline(always)]
+    fn border(&self, lane: usize) -> Option<&Border> {
+        self.materials[lane]?.border.as_ref()
     }
 
     /// Notes that the paths have come to borders, and what absorbs on the way to them.
@@ -148,12 +179,9 @@ impl<'p> MetPacket<'p> {
         slot: &[u32; LANES],
         media: &mut [Media],
     ) {
-        for lane in 0..LANES {
-            if there >> lane & 1 == 0 {
-                continue;
-            }
+        for lane in each_lane(there) {
             let Some(media) = media.get_mut(slot[lane] as usize) else { continue };
-            if let Some(border) = self.materials[lane].and_then(|m| m.border.as_ref()) {
+            if let Some(border) = self.border(lane) {
                 media.arrive_declared(border, cos[lane] > 0.0);
             }
             let [r, g, b] = media.absorption.channels();
@@ -170,7 +198,7 @@ impl<'p> MetPacket<'p> {
         from_front: bool,
         media: &Media,
     ) -> Spectrum {
-        match self.materials[lane].and_then(|m| m.border.as_ref()) {
+        match self.border(lane) {
             Some(border) => media.beyond_declared(border, from_front),
             None => media.absorption,
         }
@@ -179,7 +207,7 @@ impl<'p> MetPacket<'p> {
     /// Notes in `media` that a path has gone through the surface.
     #[inline(always)]
     pub(super) fn cross(&self, lane: usize, from_front: bool, media: &mut Media) {
-        if let Some(border) = self.materials[lane].and_then(|m| m.border.as_ref()) {
+        if let Some(border) = self.border(lane) {
             media.pass_declared(border, from_front);
         }
     }

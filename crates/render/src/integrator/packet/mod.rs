@@ -21,20 +21,21 @@ mod scatter;
 pub(crate) use paths::Starts;
 
 use super::Path;
+use super::path::{ENDLESS_FROM, ENDLESS_SURVIVAL, ROULETTE_FROM, SURE_FROM};
 use crate::color::Spectrum;
 use crate::integrator::dimension::Bounce;
 use crate::integrator::emission::SeenEmission;
-use crate::lanes::{bits, each_lane, mask, transmittances};
+use crate::lanes::{bits, mask, transmittances};
 use crate::medium::Media;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use crate::settings::Roulette;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
-use met::MetPacket;
-use paths::{PathPacket, Paths};
-use rutilant_geom::lanes::{LANES, Xyz8};
-use rutilant_geom::{Frames, Vec3, offset_origins};
+use met::{MetPacket, Surface};
+use paths::{PathPacket, Paths, add};
+use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
+use rutilant_geom::offset_origins;
 
 impl Path {
     /// The radiance that each start brings, eight for each packet, in their order.
@@ -72,17 +73,14 @@ impl Path {
         media: &mut [Media],
         rays: &mut u64,
     ) {
-        let one = f32x8::splat(simd, 1.0);
-        let there = paths.there();
+        let there = paths.rays.there();
         *rays += u64::from(there.count_ones());
 
         // Find the next surfaces, or leave the scene, and lose what the media on the way take.
         let hits = scene.surfaces().closest_packet(&paths.rays);
         let mut met = MetPacket::new(scene, &paths.rays, &hits, there);
-        let normal = Xyz8::load(simd, &met.normal);
-        let frame = Frames::around(Xyz8::load(simd, &met.shading_normal));
-        let wo = Xyz8::load(simd, &paths.rays.direction).negated();
-        let wo_local = frame.to_local(wo);
+        let surface = met.surface(simd, &paths.rays);
+        let Surface { normal, frame, wo, wo_local, .. } = surface;
         let mut throughput = Xyz8::load(simd, &paths.throughput);
         if scene.has_borders() {
             met.arrive(there, &wo_local.z, &paths.slot, media);
@@ -94,7 +92,7 @@ impl Path {
 
         // Light of the sky and of surfaces, weighted against having been chosen by light sampling.
         for lane in each_lane(met.sky | met.glows) {
-            let direction = Vec3::from(Xyz8::load(simd, &paths.rays.direction).lane(lane));
+            let direction = at(&paths.rays.direction, lane);
             let seen = if met.sky >> lane & 1 == 1 {
                 SeenEmission::of_sky(scene, direction)
             } else {
@@ -103,26 +101,18 @@ impl Path {
             if let Some(seen) = seen {
                 let previous = paths.previous(lane);
                 let seen = self.weighted(scene, &seen, direction, previous.as_ref(), &mut ());
-                radiance[paths.slot[lane] as usize] += Spectrum::from(throughput.lane(lane)) * seen;
+                let through = Spectrum::from(throughput.lane(lane).to_array());
+                add(radiance, paths.slot[lane], through * seen);
             }
         }
         let alive = there & !met.sky & !met.black;
         if depth == self.max_depth || alive == 0 {
-            paths.keep(0);
+            paths.rays.keep(0);
             return;
         }
 
         // Light that arrives here directly from one light.
         let bounce = Bounce::at(depth);
-        let position = Xyz8::load(simd, &met.position);
-        let surface = light::Surface {
-            position,
-            smooth: Xyz8::load(simd, &met.smooth_position),
-            normal,
-            frame,
-            wo,
-            wo_local,
-        };
         if met.spread & alive != 0 {
             self.direct_lights(
                 simd, scene, paths, &met, &surface, alive, bounce, throughput, radiance, media,
@@ -134,10 +124,9 @@ impl Path {
         let sample = scatter::scatter(simd, &paths.samplers, &met, &surface, alive, bounce);
         throughput = throughput.times(sample.weight);
         let crossed = sample.valid & (sample.wi.z * wo_local.z).simd_lt(f32x8::splat(simd, 0.0));
-        let crossed_bits = bits(crossed);
         let on_surface = crossed | sample.delta | mask(simd, met.translucent);
         let side = wo.negated().or(crossed, wo);
-        let origin = offset_origins(position.or(on_surface, surface.smooth), normal, side);
+        let origin = offset_origins(surface.position.or(on_surface, surface.smooth), normal, side);
         let direction = frame.to_world(sample.wi).normalized();
         paths.rays.leaves = met.left(normal, side, direction);
         paths.rays.origin = origin.store();
@@ -147,20 +136,19 @@ impl Path {
         let unfindable = f32x8::splat(simd, PathPacket::<N>::UNFINDABLE);
         paths.pdf = sample.delta.select(unfindable, sample.pdf).into();
         let mut gain: f32x8<S> = paths.density_gain.simd_into(simd);
-        if crossed_bits != 0 {
-            for lane in each_lane(crossed_bits) {
-                if let Some(media) = media.get_mut(paths.slot[lane] as usize) {
-                    met.cross(lane, wo_local.z[lane] > 0.0, media);
-                }
+        for lane in each_lane(bits(crossed)) {
+            if let Some(media) = media.get_mut(paths.slot[lane] as usize) {
+                met.cross(lane, wo_local.z[lane] > 0.0, media);
             }
-            gain = crossed.select(gain * (sample.eta * sample.eta), gain);
-            paths.density_gain = gain.into();
         }
+        gain = crossed.select(gain * (sample.eta * sample.eta), gain);
+        paths.density_gain = gain.into();
 
         // End dim paths by roulette; the survivors stand in for the ended.
         let mut alive = alive & bits(sample.valid);
         let worth = throughput.scaled(gain);
         let survival = self.survivals(depth, worth, &met, sample.delta);
+        let one = f32x8::splat(simd, 1.0);
         let risky = survival.simd_lt(one);
         if bits(risky) & alive != 0 {
             let drawn = N::d1_of(simd, &paths.samplers, bounce.roulette());
@@ -170,7 +158,7 @@ impl Path {
             throughput = throughput.scaled(stands_for);
         }
         paths.throughput = throughput.store();
-        paths.keep(alive);
+        paths.rays.keep(alive);
     }
 
     /// The probabilities with which paths go on after their `depth`-th segment.
@@ -186,10 +174,8 @@ impl Path {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let survival = match self.roulette {
             Roulette::Off => return one,
-            Roulette::Throughput if depth < super::path::ROULETTE_FROM => one,
-            Roulette::Throughput => {
-                (worth.largest() * (1.0 / super::path::SURE_FROM)).max(zero).min(one)
-            }
+            Roulette::Throughput if depth < ROULETTE_FROM => one,
+            Roulette::Throughput => (worth.largest() * (1.0 / SURE_FROM)).max(zero).min(one),
             Roulette::Albedo => {
                 let mut albedo = [1.0; LANES];
                 for (albedo, material) in albedo.iter_mut().zip(&met.materials) {
@@ -200,8 +186,7 @@ impl Path {
                 delta.select(one, albedo.simd_into(simd))
             }
         };
-        let most =
-            if depth < super::path::ENDLESS_FROM { 1.0 } else { super::path::ENDLESS_SURVIVAL };
+        let most = if depth < ENDLESS_FROM { 1.0 } else { ENDLESS_SURVIVAL };
         survival.min(f32x8::splat(simd, most))
     }
 }

@@ -6,7 +6,7 @@ use crate::medium::Media;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::RayPacket;
-use rutilant_geom::lanes::LANES;
+use rutilant_geom::lanes::{LANES, at};
 
 /// Where eight paths start: rays of unit direction, and the numbers that are drawn along them. A
 /// ray that is not there starts none.
@@ -51,31 +51,11 @@ impl<N: Sampler> PathPacket<N> {
         }
     }
 
-    /// Those that have not ended, a bit for each.
-    #[inline(always)]
-    pub(super) fn there(&self) -> u32 {
-        let mut bits = 0;
-        for lane in 0..LANES {
-            bits |= u32::from(self.rays.t_max[lane] > 0.0) << lane;
-        }
-        bits
-    }
-
-    /// Ends all others.
-    #[inline(always)]
-    pub(super) fn keep(&mut self, which: u32) {
-        for lane in 0..LANES {
-            if which >> lane & 1 == 0 {
-                self.rays.t_max[lane] = -1.0;
-            }
-        }
-    }
-
     /// The surface that a path last left, if light sampling could have found there what is met next.
     #[inline(always)]
     pub(super) fn previous(&self, lane: usize) -> Option<Previous> {
         let pdf = self.pdf[lane];
-        let position = self.rays.ray(lane).origin;
+        let position = at(&self.rays.origin, lane);
         (pdf != Self::UNFINDABLE).then_some(Previous { position, pdf })
     }
 
@@ -112,13 +92,11 @@ impl<N: Sampler> Paths<N> {
     /// Puts the last paths in the places of those that have ended, so that packets are full.
     pub(super) fn close_ranks(&mut self) {
         let (mut hole, mut end) = (0, self.packets.len() * LANES);
-        let there =
-            |packets: &[PathPacket<N>], i: usize| packets[i / LANES].rays.t_max[i % LANES] > 0.0;
         loop {
-            while hole < end && there(&self.packets, hole) {
+            while hole < end && self.is_there(hole) {
                 hole += 1;
             }
-            while hole < end && !there(&self.packets, end - 1) {
+            while hole < end && !self.is_there(end - 1) {
                 end -= 1;
             }
             if hole >= end {
@@ -134,16 +112,20 @@ impl<N: Sampler> Paths<N> {
                     last.take(hole % LANES, &other, end % LANES);
                 }
             }
-            last.rays.t_max[end % LANES] = -1.0;
+            last.rays.keep(last.rays.there() & !(1 << (end % LANES)));
         }
         self.packets.truncate(end.div_ceil(LANES));
+    }
+
+    fn is_there(&self, path: usize) -> bool {
+        self.packets[path / LANES].rays.is_there(path % LANES)
     }
 }
 
 /// Adds light to the path of a start.
 #[inline(always)]
-pub(super) fn add(radiance: &mut [Spectrum], slot: u32, light: [f32; 3]) {
+pub(super) fn add(radiance: &mut [Spectrum], slot: u32, light: Spectrum) {
     if let Some(sum) = radiance.get_mut(slot as usize) {
-        *sum += Spectrum::from(light);
+        *sum += light;
     }
 }

@@ -1,15 +1,13 @@
 //! Eight paths go on in directions drawn from BSDFs.
 
-use super::light::Surface;
-use super::met::MetPacket;
+use super::met::{MetPacket, Surface};
 use crate::bsdf::{BsdfSamples, Lambert, SmoothDielectric};
 use crate::integrator::dimension::Bounce;
-use crate::lanes::{each_lane, mask, put};
+use crate::lanes::{mask, put};
 use crate::sampler::Sampler;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rutilant_geom::Vec3;
-use rutilant_geom::lanes::{LANES, Xyz8};
+use rutilant_geom::lanes::{LANES, Xyz8, each_lane};
 
 /// Draws the directions of those that are `alive`.
 #[inline(always)]
@@ -36,10 +34,10 @@ pub(super) fn scatter<S: Simd, N: Sampler>(
     }
     for lane in each_lane(met.other & alive) {
         let Some(material) = met.materials[lane] else { continue };
-        let wo = Vec3::from(surface.wo_local.lane(lane));
+        let wo = surface.wo_local.lane(lane);
         let Some(sample) = bounce.scatter(&material.bsdf, wo, &samplers[lane]) else { continue };
-        put(&mut samples.wi, lane, sample.wi.to_array());
-        put(&mut samples.weight, lane, sample.weight.channels());
+        put(&mut samples.wi, lane, sample.wi);
+        put(&mut samples.weight, lane, sample.weight.channels().into());
         samples.pdf[lane] = sample.pdf;
         samples.eta[lane] = sample.eta;
         samples.delta.set(lane, sample.delta);
