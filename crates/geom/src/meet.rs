@@ -6,7 +6,8 @@
 //! eight of them.
 
 use crate::bvh::{
-    BoxRay, Inside, Met, Order, PACK, SLACK, Visit, limit_of, traverse, traverse_packet, way,
+    BoxRay, Inside, Met, Order, PACK, SLACK, Visit, WideNode, limit_of, traverse, traverse_in_turn,
+    traverse_packet, way,
 };
 use crate::custom::CustomHit;
 use crate::lanes::{LANES, each_lane};
@@ -21,6 +22,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Fallback, Simd, f32x8, mask32x8, u32x8};
 use glam::DVec3;
 use std::f32::consts::{FRAC_1_PI, PI};
+
+/// Trees of as many nodes, a megabyte of them, are not all in the nearer caches.
+const FAR: usize = 4096;
 
 /// A triangle that may be the first one met.
 #[derive(Clone, Copy)]
@@ -233,26 +237,29 @@ impl Surfaces {
             &mut limit,
             #[inline(always)]
             |leaf, limit| {
-                let (first, all) = self.packs_of(leaf.inside);
-                for (i, pack) in all.iter().enumerate() {
-                    let sorted = packs.meet(pack, leaf.way, *limit);
-                    let (may, sure) = (sorted.may.to_bitmask(), sorted.sure.to_bitmask());
-                    if may != 0 {
-                        blocked = sure != 0 || self.meets(ray, (first + i) * PACK, may as u32);
-                        if blocked {
-                            return true;
-                        }
-                    }
-                }
-                blocked = self.singles_of(leaf).iter().any(|number| {
-                    let mut nearest = None;
-                    self.meet_single(ray, *number, &mut nearest, &mut None);
-                    nearest.is_some()
-                });
+                blocked = self.blocks(packs, ray, leaf, *limit);
                 blocked
             },
         );
         blocked
+    }
+
+    /// Whether anything in a leaf is in the way.
+    #[inline(always)]
+    fn blocks<S: Simd>(&self, packs: &PackRay<S>, ray: &Ray, leaf: Met, limit: f32) -> bool {
+        let (first, all) = self.packs_of(leaf.inside);
+        for (i, pack) in all.iter().enumerate() {
+            let sorted = packs.meet(pack, leaf.way, limit);
+            let (may, sure) = (sorted.may.to_bitmask(), sorted.sure.to_bitmask());
+            if may != 0 && (sure != 0 || self.meets(ray, (first + i) * PACK, may as u32)) {
+                return true;
+            }
+        }
+        self.singles_of(leaf).iter().any(|number| {
+            let mut nearest = None;
+            self.meet_single(ray, *number, &mut nearest, &mut None);
+            nearest.is_some()
+        })
     }
 
     /// Whether a ray meets some of the triangles of a pack.
@@ -287,6 +294,9 @@ impl Surfaces {
     fn closest_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> HitPacket {
         let rays = RaysReady::new(simd, packet);
         let mut searches: [Search; LANES] = Default::default();
+        if self.goes_apart(&rays) {
+            return self.closest_in_turn(&rays, packet, &mut searches);
+        }
         let mut limit = rays.limit;
         traverse_packet(
             &self.nodes,
@@ -348,6 +358,85 @@ impl Surfaces {
             },
         );
         self.decide(&rays, packet, &limit, &mut searches)
+    }
+
+    /// Whether rays have little to share, and the tree is too large to be at hand.
+    #[inline(always)]
+    fn goes_apart<S: Simd>(&self, rays: &RaysReady<S>) -> bool {
+        self.nodes.len() >= FAR && !rays.boxes.go_alike(rays.there())
+    }
+
+    /// Closest hits of eight rays that go each its own way.
+    #[inline(always)]
+    fn closest_in_turn<S: Simd>(
+        &self,
+        rays: &RaysReady<S>,
+        packet: &RayPacket,
+        searches: &mut [Search; LANES],
+    ) -> HitPacket {
+        let boxes: [_; LANES] = std::array::from_fn(|lane| rays.boxes.one(lane));
+        let packs: [_; LANES] = std::array::from_fn(|lane| rays.packs(packet, lane));
+        let mut limits: [f32; LANES] = rays.limit.into();
+        traverse_in_turn(
+            &self.nodes,
+            &boxes,
+            rays.there(),
+            Order::Nearest,
+            &mut limits,
+            #[inline(always)]
+            |inside| self.touch(inside),
+            #[inline(always)]
+            |lane, leaf, limit| {
+                let all = self.packs_of(leaf.inside);
+                let (search, ray) = (&mut searches[lane], packet.ray(lane));
+                self.search_packs(&packs[lane], &ray, leaf.way, all, limit, search);
+                self.search_singles(&ray, leaf, boxes[lane].scale, limit, search);
+                false
+            },
+        );
+        self.decide(rays, packet, &limits, searches)
+    }
+
+    /// Which of eight rays that go each its own way are blocked.
+    #[inline(always)]
+    fn blocked_in_turn<S: Simd>(&self, rays: &RaysReady<S>, packet: &RayPacket) -> u32 {
+        let boxes: [_; LANES] = std::array::from_fn(|lane| rays.boxes.one(lane));
+        let packs: [_; LANES] = std::array::from_fn(|lane| rays.packs(packet, lane));
+        let mut limits: [f32; LANES] = rays.limit.into();
+        let mut blocked = 0;
+        traverse_in_turn(
+            &self.nodes,
+            &boxes,
+            rays.there(),
+            Order::Any,
+            &mut limits,
+            #[inline(always)]
+            |inside| self.touch(inside),
+            #[inline(always)]
+            |lane, leaf, limit| {
+                let blocks = self.blocks(&packs[lane], &packet.ray(lane), leaf, *limit);
+                blocked |= u32::from(blocks) << lane;
+                blocks
+            },
+        );
+        blocked
+    }
+
+    /// Reads from each cache line of what will be visited soon.
+    #[inline(always)]
+    fn touch(&self, inside: Inside) -> u32 {
+        if let Some(number) = inside.as_node() {
+            let Some(WideNode { sides, inside }) = self.nodes.get(number) else { return 0 };
+            let [x, y, z] = sides.map(
+                #[inline(always)]
+                |of_axis| of_axis[0][0].to_bits(),
+            );
+            x ^ y ^ z ^ inside[0].bits()
+        } else {
+            let Some(pack) = self.packs.get(inside.as_leaf().0) else { return 0 };
+            let [a, b, c] = &pack.vertices;
+            a[0][0].to_bits() ^ b[1][0].to_bits() ^ c[2][0].to_bits() ^ pack.extent.to_bits()
+        }
     }
 
     /// The nearest of the candidates of eight rays.
@@ -414,6 +503,9 @@ impl Surfaces {
     fn blocked_of<S: Simd>(&self, simd: S, packet: &RayPacket) -> u32 {
         let gone = f32x8::splat(simd, f32::NEG_INFINITY);
         let rays = RaysReady::new(simd, packet);
+        if self.goes_apart(&rays) {
+            return self.blocked_in_turn(&rays, packet);
+        }
         let mut searches: [Search; LANES] = Default::default();
         let mut limit = rays.limit;
         let mut blocked = 0;

@@ -295,6 +295,13 @@ impl<S: Simd> RaysReady<S> {
         }
     }
 
+    /// Those that are there, a bit for each.
+    #[inline(always)]
+    pub(crate) fn there(&self) -> u32 {
+        let nowhere = f32x8::splat(self.boxes.simd, f32::NEG_INFINITY);
+        self.limit.simd_gt(nowhere).to_bitmask() as u32
+    }
+
     /// What all packs ask of one of the rays.
     #[inline(always)]
     pub(crate) fn packs(&self, rays: &RayPacket, lane: usize) -> PackRay<S> {

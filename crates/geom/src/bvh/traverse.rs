@@ -10,7 +10,7 @@
 
 use super::binary::MAX_DEPTH;
 use super::wide::{Inside, PACK, WIDTH, WideNode};
-use crate::lanes::{LANES, Xyz, Xyz8};
+use crate::lanes::{LANES, Xyz, Xyz8, each_lane};
 use crate::packs::Pack;
 use crate::{Ray, Vec3};
 use arrayvec::ArrayVec;
@@ -34,6 +34,13 @@ pub(crate) struct Met {
     pub(crate) way: f32,
 }
 
+impl Met {
+    #[inline(always)]
+    fn new(leaf: Waiting) -> Self {
+        Self { inside: leaf.inside(), way: way(leaf.enter()) }
+    }
+}
+
 /// Calls `leaf` for every leaf that the ray may meet before `limit`, from this part of the tree on,
 /// which it enters at `enter`. `leaf` may lower the limit; it tells when it is enough.
 #[inline(always)]
@@ -45,54 +52,122 @@ pub(crate) fn traverse<S: Simd>(
     limit: &mut f32,
     mut leaf: impl FnMut(Met, &mut f32) -> bool,
 ) {
-    // Each node above leaves at most all its children but one.
-    let mut stack = ArrayVec::<Waiting, { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
-    let mut next = Waiting::new(enter, inside);
+    let (mut stack, mut next) = (Stack::new(), Waiting::new(enter, inside));
     loop {
         if let Some(number) = next.inside().as_node() {
             let Some(node) = nodes.get(number) else { return };
-            let (mut met, enter) = boxes.meet(node, *limit);
-            if met != 0 {
-                let take = |met: &mut u32| {
-                    let lane = met.trailing_zeros() as usize % WIDTH;
-                    *met &= *met - 1;
-                    Waiting::new(enter[lane], node.inside[lane])
-                };
-                next = take(&mut met);
-                let before = stack.len();
-                while met != 0 {
-                    let other = take(&mut met);
-                    if order == Order::Any {
-                        stack.push(other);
-                        continue;
-                    }
-                    // The nearest goes on, the nearer of the others lies on top.
-                    stack.push(other.max(next));
-                    next = other.min(next);
-                    let mut place = stack.len() - 1;
-                    while place > before && stack[place - 1] < stack[place] {
-                        stack.swap(place - 1, place);
-                        place -= 1;
-                    }
-                }
+            if go_into(node, boxes, order, *limit, &mut stack, &mut next) {
                 continue;
             }
-        } else {
-            let met = Met { inside: next.inside(), way: way(next.enter()) };
-            if leaf(met, limit) {
-                return;
-            }
+        } else if leaf(Met::new(next), limit) {
+            return;
         }
-
-        // Take up what waits, unless a hit was found before it.
-        loop {
-            let Some(waiting) = stack.pop() else { return };
-            if waiting.enter() <= *limit {
-                next = waiting;
-                break;
-            }
+        if !take_up(*limit, &mut stack, &mut next) {
+            return;
         }
     }
+}
+
+/// The same for eight rays from the root on, one step of each in turn: while one waits for memory
+/// the others go on. `leaf` is told whose leaf it is, and `touch` reads something of each part that
+/// is visited a turn later. Only the rays `which` go.
+#[inline(always)]
+pub(crate) fn traverse_in_turn<S: Simd>(
+    nodes: &[WideNode],
+    boxes: &[BoxRay<S>; LANES],
+    mut which: u32,
+    order: Order,
+    limits: &mut [f32; LANES],
+    touch: impl Fn(Inside) -> u32,
+    mut leaf: impl FnMut(usize, Met, &mut f32) -> bool,
+) {
+    // Written out: in any other way of saying it each is copied, with all that is not there yet.
+    let mut stacks: [Stack; LANES] = [
+        Stack::new(),
+        Stack::new(),
+        Stack::new(),
+        Stack::new(),
+        Stack::new(),
+        Stack::new(),
+        Stack::new(),
+        Stack::new(),
+    ];
+    let mut all = [Waiting::new(0.0, Inside::node(0)); LANES];
+    let mut touched = 0;
+    while which != 0 {
+        for lane in each_lane(which) {
+            let (stack, limit) = (&mut stacks[lane], &mut limits[lane]);
+            let mut next = all[lane];
+            let more = if let Some(number) = next.inside().as_node() {
+                let Some(node) = nodes.get(number) else { return };
+                go_into(node, &boxes[lane], order, *limit, stack, &mut next)
+                    || take_up(*limit, stack, &mut next)
+            } else {
+                !leaf(lane, Met::new(next), limit) && take_up(*limit, stack, &mut next)
+            };
+            if more {
+                touched ^= touch(next.inside());
+            } else {
+                which &= !(1 << lane);
+            }
+            all[lane] = next;
+        }
+    }
+    std::hint::black_box(touched);
+}
+
+/// What one ray has put off. Each node above leaves at most all its children but one.
+type Stack = ArrayVec<Waiting, { (WIDTH - 1) * (MAX_DEPTH + 1) }>;
+
+/// Goes on with the nearest child that the ray enters before `limit`, and puts off the others.
+#[inline(always)]
+fn go_into<S: Simd>(
+    node: &WideNode,
+    boxes: &BoxRay<S>,
+    order: Order,
+    limit: f32,
+    stack: &mut Stack,
+    next: &mut Waiting,
+) -> bool {
+    let (mut met, enter) = boxes.meet(node, limit);
+    if met == 0 {
+        return false;
+    }
+    let take = |met: &mut u32| {
+        let lane = met.trailing_zeros() as usize % WIDTH;
+        *met &= *met - 1;
+        Waiting::new(enter[lane], node.inside[lane])
+    };
+    *next = take(&mut met);
+    let before = stack.len();
+    while met != 0 {
+        let other = take(&mut met);
+        if order == Order::Any {
+            stack.push(other);
+            continue;
+        }
+        // The nearest goes on, the nearer of the others lies on top.
+        stack.push(other.max(*next));
+        *next = other.min(*next);
+        let mut place = stack.len() - 1;
+        while place > before && stack[place - 1] < stack[place] {
+            stack.swap(place - 1, place);
+            place -= 1;
+        }
+    }
+    true
+}
+
+/// Takes up what was put off last, unless a hit was found before it.
+#[inline(always)]
+fn take_up(limit: f32, stack: &mut Stack, next: &mut Waiting) -> bool {
+    while let Some(waiting) = stack.pop() {
+        if waiting.enter() <= limit {
+            *next = waiting;
+            return true;
+        }
+    }
+    false
 }
 
 /// What is still to be visited, below where the ray enters its box: in one number, so that it is
@@ -213,6 +288,16 @@ pub(crate) struct BoxRays<S: Simd> {
 }
 
 impl<S: Simd> BoxRays<S> {
+    /// Whether all rays of a set go up, or all down, along each axis.
+    #[inline(always)]
+    pub(crate) fn go_alike(&self, which: u32) -> bool {
+        let alike = |negative: mask32x8<S>| {
+            let down = negative.to_bitmask() as u32 & which;
+            down == 0 || down == which
+        };
+        alike(self.negative.x) & alike(self.negative.y) & alike(self.negative.z)
+    }
+
     /// Which rays enter a box before their `limit`, and where.
     #[inline(always)]
     fn meet(&self, node: &WideNode, child: usize, limit: f32x8<S>) -> (mask32x8<S>, f32x8<S>) {
