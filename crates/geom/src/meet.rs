@@ -451,27 +451,29 @@ impl Surfaces {
         let simd = rays.boxes.simd;
         let mut nearest = NearestPacket::none(simd, packet);
         let mut corners = [[[0.0; LANES]; 3]; 3];
-        loop {
+        let has_some = |lane: &usize| !searches[*lane].candidates.is_empty();
+        let mut open = (0..LANES).filter(has_some).fold(0, |open, lane| open | 1 << lane);
+        while open != 0 {
             let mut primitive = [HitPacket::NOTHING; LANES];
-            let mut some = false;
-            for (lane, search) in searches.iter_mut().enumerate() {
-                while let Some(candidate) = search.candidates.pop() {
-                    if candidate.from <= limit[lane] {
-                        let (pack, place) = self.pack_of(candidate.at);
-                        primitive[lane] = self.order[pack.place(place)];
-                        let all = corners.iter_mut().flatten();
-                        for (lanes, of_pack) in all.zip(pack.vertices.iter().flatten()) {
-                            lanes[lane] = of_pack[place];
-                        }
-                        some = true;
-                        break;
+            for lane in each_lane(open) {
+                let candidates = &mut searches[lane].candidates;
+                if let Some(candidate) = candidates.pop()
+                    && candidate.from <= limit[lane]
+                {
+                    let (pack, place) = self.pack_of(candidate.at);
+                    primitive[lane] = self.order[pack.place(place)];
+                    for (corner, vertex) in corners.iter_mut().zip(&pack.vertices) {
+                        corner[0][lane] = vertex[0][place % PACK];
+                        corner[1][lane] = vertex[1][place % PACK];
+                        corner[2][lane] = vertex[2][place % PACK];
                     }
                 }
+                open &= !(u32::from(candidates.is_empty()) << lane);
             }
-            if !some {
-                break;
+            let primitive: u32x8<S> = primitive.simd_into(simd);
+            if primitive.simd_ne(u32x8::splat(simd, HitPacket::NOTHING)).any_true() {
+                rays.meet(&corners, primitive, &mut nearest);
             }
-            rays.meet(&corners, primitive.simd_into(simd), &mut nearest);
         }
         nearest
     }
