@@ -157,6 +157,9 @@ impl Surfaces {
             let sorted = packs.meet(pack, way, *limit);
             let sure = sorted.sure.to_bitmask();
             for lane in each_lane(sorted.may.to_bitmask() as u32) {
+                if self.order[pack.place(lane)] == packs.leaves {
+                    continue;
+                }
                 let at = ((first + i) * PACK + lane % PACK) as u32;
                 self.note(Candidate { at, from: sorted.from[lane % PACK] }, ray, *limit, search);
                 if sure >> lane & 1 == 1 {
@@ -250,8 +253,15 @@ impl Surfaces {
         let (first, all) = self.packs_of(leaf.inside);
         for (i, pack) in all.iter().enumerate() {
             let sorted = packs.meet(pack, leaf.way, limit);
-            let (may, sure) = (sorted.may.to_bitmask(), sorted.sure.to_bitmask());
-            if may != 0 && (sure != 0 || self.meets(ray, (first + i) * PACK, may as u32)) {
+            if sorted.sure.any_true() {
+                return true;
+            }
+            let mut may = sorted.may.to_bitmask() as u32;
+            for lane in each_lane(may) {
+                let leaves = self.order[pack.place(lane)] == packs.leaves;
+                may &= !(u32::from(leaves) << lane);
+            }
+            if may != 0 && self.meets(ray, (first + i) * PACK, may) {
                 return true;
             }
         }

@@ -307,8 +307,8 @@ impl<S: Simd> RaysReady<S> {
     pub(crate) fn packs(&self, rays: &RayPacket, lane: usize) -> PackRay<S> {
         let ray = rays.ray(lane);
         let shear = self.shear.lane(lane);
-        let (start, end) = (self.boxes.start[lane], self.end[lane]);
-        PackRay::turned(self.boxes.simd, turned(ray.direction), ray.origin, shear, start, end)
+        let (axes, ends) = (turned(ray.direction), [self.boxes.start[lane], self.end[lane]]);
+        PackRay::turned(self.boxes.simd, axes, ray.origin, shear, ends, rays.leaves[lane])
     }
 
     #[inline(always)]

@@ -22,6 +22,7 @@
 
 use crate::bvh::PACK;
 use crate::lanes::Xyz;
+use crate::packet::HitPacket;
 use crate::{Aabb, Ray, Vec3};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, mask32x4};
@@ -160,6 +161,8 @@ pub(crate) struct PackRay<S: Simd> {
     shear: Xyz<f32x4<S>>,
     start: f32x4<S>,
     end: f32x4<S>,
+    /// As in [`RayPacket`](crate::RayPacket).
+    pub(crate) leaves: u32,
 }
 
 impl<S: Simd> PackRay<S> {
@@ -169,7 +172,8 @@ impl<S: Simd> PackRay<S> {
         let axes = turned(ray.direction);
         let along = Vec3::from_array(axes.map(|axis| ray.direction[axis]));
         let shear = Vec3::new(along.x / along.z, along.y / along.z, scale / along.z);
-        Self::turned(simd, axes, ray.origin, shear, ray.t_min * scale, ray.t_max * scale)
+        let ends = [ray.t_min * scale, ray.t_max * scale];
+        Self::turned(simd, axes, ray.origin, shear, ends, HitPacket::NOTHING)
     }
 
     #[inline(always)]
@@ -178,8 +182,8 @@ impl<S: Simd> PackRay<S> {
         axes: [usize; 3],
         origin: Vec3,
         shear: Vec3,
-        start: f32,
-        end: f32,
+        [start, end]: [f32; 2],
+        leaves: u32,
     ) -> Self {
         Self {
             simd,
@@ -196,6 +200,7 @@ impl<S: Simd> PackRay<S> {
             },
             start: f32x4::splat(simd, start),
             end: f32x4::splat(simd, end),
+            leaves,
         }
     }
 

@@ -33,7 +33,7 @@ impl Counters {
 }
 
 /// So many samples of a tile's pixels are on their way together.
-const SAMPLES_AT_ONCE: u64 = 4;
+const SAMPLES_AT_ONCE: u64 = 8;
 
 /// Everything that a rendering reads and writes.
 pub(crate) struct Rendering<'a> {
@@ -140,11 +140,10 @@ impl Rendering<'_> {
         while tile.next_sample < until_sample {
             let until = until_sample.min(tile.next_sample + SAMPLES_AT_ONCE);
             let samples = tile.next_sample..until;
-            let places = samples.flat_map(|sample| {
-                let rows = area.y..area.y + area.height;
-                let pixels = rows.flat_map(|y| (area.x..area.x + area.width).map(move |x| [x, y]));
-                pixels.map(move |pixel| (pixel, sample))
-            });
+            let rows = area.y..area.y + area.height;
+            let pixels = rows.flat_map(|y| (area.x..area.x + area.width).map(move |x| [x, y]));
+            let places =
+                pixels.flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
             let places: Vec<([u32; 2], u64)> = places.collect();
             starts.clear();
             weights.clear();

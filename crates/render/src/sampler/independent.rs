@@ -4,7 +4,7 @@
 //! count, whatever is integrated. [`Sobol`](super::Sobol) is better nearly
 //! everywhere; this one is the yardstick, and what statistical tests assume.
 
-use super::numbers::{GOLDEN, Sampler, Sequence, mix, pixel_key, unit};
+use super::numbers::{GOLDEN, Sampler, Sequence, mix, unit};
 use rutilant_geom::Vec2;
 
 /// Independent numbers.
@@ -14,8 +14,9 @@ pub struct Independent {
 }
 
 impl Sampler for Independent {
-    fn new(sequence: &Sequence, pixel: [u32; 2], sample: u64) -> Self {
-        Self { key: mix(pixel_key(sequence.seed, pixel) ^ sample.wrapping_mul(GOLDEN)) }
+    fn new(sequence: &Sequence, [x, y]: [u32; 2], sample: u64) -> Self {
+        let pixel = mix(sequence.root ^ (u64::from(y) << 32 | u64::from(x)));
+        Self { key: mix(pixel ^ sample.wrapping_mul(GOLDEN)) }
     }
 
     fn d1(&self, dimension: u32) -> f32 {

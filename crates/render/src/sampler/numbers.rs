@@ -8,18 +8,18 @@ use rutilant_geom::lanes::LANES;
 /// What all numbers of a picture have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sequence {
-    /// Another seed gives another, equally good picture.
-    pub seed: u64,
     /// So many samples of a pixel, as a power of two, are planned. With as many, neighbouring
     /// pixels share out what is there between them.
     pub planned_log2: u32,
+    /// The seed, mixed well.
+    pub(super) root: u64,
 }
 
 impl Sequence {
-    /// For a picture of `spp` samples per pixel.
+    /// For a picture of `spp` samples per pixel. Another seed gives another, equally good one.
     pub fn new(seed: u64, spp: u64) -> Self {
         let planned_log2 = spp.max(1).next_power_of_two().ilog2().min(Self::MOST_LOG2);
-        Self { seed, planned_log2 }
+        Self { planned_log2, root: mix(seed.wrapping_add(GOLDEN)) }
     }
 
     /// More samples than two to this power are not planned as one.
@@ -103,8 +103,3 @@ pub(super) fn mix(mut x: u64) -> u64 {
 
 /// The golden ratio's fractional part: distinct multiples of it lie far apart.
 pub(super) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-
-/// A word for each seed and pixel.
-pub(super) fn pixel_key(seed: u64, [x, y]: [u32; 2]) -> u64 {
-    mix(mix(seed.wrapping_add(GOLDEN)) ^ (u64::from(y) << 32 | u64::from(x)))
-}

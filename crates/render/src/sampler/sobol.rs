@@ -43,7 +43,7 @@ impl Sampler for Sobol {
         let place = u128::from(morton(x, y)) << run | u128::from(within);
         // A sequence has 2³² points; large pictures are made of several.
         let part = (place >> 32) as u64;
-        let key = mix(mix(sequence.seed.wrapping_add(GOLDEN)) ^ part);
+        let key = mix(sequence.root ^ part);
         let key = mix(key ^ block.wrapping_mul(GOLDEN));
         Self { key, reversed: (place as u32).reverse_bits() }
     }
