@@ -11,7 +11,7 @@ use crate::bvh::{
 };
 use crate::custom::CustomHit;
 use crate::lanes::{LANES, each_lane};
-use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady};
+use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady, TriangleRays};
 use crate::packs::{Pack, PackRay};
 use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
 use crate::triangle::TriangleRay;
@@ -157,7 +157,7 @@ impl Surfaces {
             let sorted = packs.meet(pack, way, *limit);
             let sure = sorted.sure.to_bitmask();
             for lane in each_lane(sorted.may.to_bitmask() as u32) {
-                if self.order[pack.place(lane)] == packs.leaves {
+                if pack.primitives[lane % PACK] == packs.leaves {
                     continue;
                 }
                 let at = ((first + i) * PACK + lane % PACK) as u32;
@@ -205,7 +205,7 @@ impl Surfaces {
                 let (pack, lane) = self.pack_of(candidate.at);
                 let [a, b, c] = pack.triangle(lane);
                 if let Some(hit) = exact.intersect(a, b, c) {
-                    let primitive = self.order[pack.place(lane)];
+                    let primitive = pack.primitives[lane % PACK];
                     let hit = Nearest { t: hit.t, primitive, uv: [hit.u, hit.v] };
                     hit.keep(&mut search.nearest);
                 }
@@ -258,7 +258,7 @@ impl Surfaces {
             }
             let mut may = sorted.may.to_bitmask() as u32;
             for lane in each_lane(may) {
-                let leaves = self.order[pack.place(lane)] == packs.leaves;
+                let leaves = pack.primitives[lane % PACK] == packs.leaves;
                 may &= !(u32::from(leaves) << lane);
             }
             if may != 0 && self.meets(ray, (first + i) * PACK, may) {
@@ -353,7 +353,7 @@ impl Surfaces {
                             if may == 0 {
                                 continue;
                             }
-                            may &= !rays.leaving(self.order[pack.place(lane)]);
+                            may &= !rays.leaving(pack.primitives[lane % PACK]);
                             let at = ((first + i) * PACK + lane) as u32;
                             for ray in each_lane(may) {
                                 let candidate = Candidate { at, from: sorted.from[ray] };
@@ -453,12 +453,12 @@ impl Surfaces {
     #[inline(always)]
     fn nearest_of<S: Simd>(
         &self,
-        rays: &RaysReady<S>,
+        simd: S,
         packet: &RayPacket,
         limit: &[f32; LANES],
         searches: &mut [Search; LANES],
     ) -> NearestPacket<S> {
-        let simd = rays.boxes.simd;
+        let exact = TriangleRays::new(simd, packet);
         let mut nearest = NearestPacket::none(simd, packet);
         let mut corners = [[[0.0; LANES]; 3]; 3];
         let has_some = |lane: &usize| !searches[*lane].candidates.is_empty();
@@ -471,7 +471,7 @@ impl Surfaces {
                     && candidate.from <= limit[lane]
                 {
                     let (pack, place) = self.pack_of(candidate.at);
-                    primitive[lane] = self.order[pack.place(place)];
+                    primitive[lane] = pack.primitives[place % PACK];
                     for (corner, vertex) in corners.iter_mut().zip(&pack.vertices) {
                         corner[0][lane] = vertex[0][place % PACK];
                         corner[1][lane] = vertex[1][place % PACK];
@@ -482,7 +482,7 @@ impl Surfaces {
             }
             let primitive: u32x8<S> = primitive.simd_into(simd);
             if primitive.simd_ne(u32x8::splat(simd, HitPacket::NOTHING)).any_true() {
-                rays.meet(&corners, primitive, &mut nearest);
+                exact.meet(&corners, primitive, &mut nearest);
             }
         }
         nearest
@@ -497,7 +497,7 @@ impl Surfaces {
         limit: &[f32; LANES],
         searches: &mut [Search; LANES],
     ) -> HitPacket {
-        let nearest = self.nearest_of(rays, packet, limit, searches);
+        let nearest = self.nearest_of(rays.boxes.simd, packet, limit, searches);
         let mut hits = nearest.finished();
         for (lane, search) in searches.iter().enumerate() {
             if let Some(other) = search.nearest {
@@ -549,7 +549,7 @@ impl Surfaces {
                         if may == 0 {
                             continue;
                         }
-                        may &= !rays.leaving(self.order[pack.place(lane)]);
+                        may &= !rays.leaving(pack.primitives[lane % PACK]);
                         let sure = sorted.sure.to_bitmask() as u32 & may;
                         blocked |= sure;
                         *limit = mask32x8::from_bitmask(simd, u64::from(sure)).select(gone, *limit);
@@ -576,7 +576,7 @@ impl Surfaces {
             open |= !search.candidates.is_empty();
         }
         if open {
-            let nearest = self.nearest_of(&rays, packet, &[f32::INFINITY; LANES], &mut searches);
+            let nearest = self.nearest_of(simd, packet, &[f32::INFINITY; LANES], &mut searches);
             let none = u32x8::splat(simd, HitPacket::NOTHING);
             blocked |= nearest.primitive.simd_ne(none).to_bitmask() as u32;
         }
@@ -610,7 +610,7 @@ impl Surfaces {
     #[inline(always)]
     fn singles_of(&self, leaf: Met) -> &[u32] {
         match leaf.inside.as_leaf() {
-            (number, 0) => &self.order[self.others[number].clone()],
+            (number, 0) => &self.singles[self.others[number].clone()],
             _ => &[],
         }
     }
@@ -732,7 +732,7 @@ impl Surfaces {
                 for pack in self.packs_of(leaf.inside).1 {
                     let mut may = packs.meet(pack, leaf.way, *limit).may.to_bitmask();
                     while may != 0 {
-                        look_at(self.order[pack.place(may.trailing_zeros() as usize % PACK)]);
+                        look_at(pack.primitives[may.trailing_zeros() as usize % PACK]);
                         may &= may - 1;
                     }
                 }

@@ -171,11 +171,11 @@ pub(crate) struct RaysReady<S: Simd> {
     shear: Xyz8<S>,
     /// The same as the rows of a matrix.
     rows: [Xyz8<S>; 3],
-    exact: Exact<S>,
 }
 
-/// The same in double precision.
-struct Exact<S: Simd> {
+/// What `triangle.rs` asks of eight rays.
+pub(crate) struct TriangleRays<S: Simd> {
+    simd: S,
     origin: Xyz<f64x8<S>>,
     direction: Xyz<f64x8<S>>,
     turn: Turn<S>,
@@ -251,23 +251,12 @@ impl<S: Simd> RaysReady<S> {
         // Triangles.
         let is_x = size.x.simd_gt(size.y) & size.x.simd_gt(size.z);
         let is_y = !is_x & size.y.simd_gt(size.z);
-        let turn = Turn { x: widen_mask(is_x), y: widen_mask(is_y) };
-        let direction = each!(direction, d => widen(d));
-        let along = turn.turned(direction);
-        let shear = Xyz {
-            x: along.x / along.z,
-            y: along.y / along.z,
-            z: f64x8::splat(simd, 1.0) / along.z,
-        };
-        let (x, y, z) = (narrow(shear.x), narrow(shear.y), narrow(shear.z) * scale);
+        let Xyz { x: dx, y: dy, z: dz } = direction;
+        let along = is_x.select(dx, is_y.select(dy, dz));
+        let x = is_x.select(dy, is_y.select(dz, dx)) / along;
+        let y = is_x.select(dz, is_y.select(dx, dy)) / along;
+        let z = scale / along;
         let (nx, ny) = (-x, -y);
-        let exact = Exact {
-            origin: each!(origin, o => widen(o)),
-            direction,
-            turn,
-            shear,
-            t_min: widen(t_min),
-        };
         Self {
             boxes,
             limit,
@@ -291,7 +280,6 @@ impl<S: Simd> RaysReady<S> {
                     z: (is_x | is_y).select(zero, z),
                 },
             ],
-            exact,
         }
     }
 
@@ -344,6 +332,32 @@ impl<S: Simd> RaysReady<S> {
         let way = enter * (2.0 * SLACK) + pack.extent;
         sort_out(corners, edge, way, Reach { start: self.boxes.start, end: self.end, limit })
     }
+}
+
+impl<S: Simd> TriangleRays<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, rays: &RayPacket) -> Self {
+        let direction = Xyz8::load(simd, &rays.direction);
+        let size = each!(direction, d => d.abs());
+        let is_x = size.x.simd_gt(size.y) & size.x.simd_gt(size.z);
+        let is_y = !is_x & size.y.simd_gt(size.z);
+        let turn = Turn { x: widen_mask(is_x), y: widen_mask(is_y) };
+        let direction = each!(direction, d => widen(d));
+        let along = turn.turned(direction);
+        let origin = Xyz8::load(simd, &rays.origin);
+        Self {
+            simd,
+            origin: each!(origin, o => widen(o)),
+            direction,
+            turn,
+            shear: Xyz {
+                x: along.x / along.z,
+                y: along.y / along.z,
+                z: f64x8::splat(simd, 1.0) / along.z,
+            },
+            t_min: widen(rays.t_min.simd_into(simd)),
+        }
+    }
 
     /// The triangle `corners` of each ray, exactly: the arithmetic of `triangle.rs`.
     #[inline(always)]
@@ -353,9 +367,8 @@ impl<S: Simd> RaysReady<S> {
         primitive: u32x8<S>,
         nearest: &mut NearestPacket<S>,
     ) {
-        let simd = self.boxes.simd;
+        let simd = self.simd;
         let nil = f64x8::splat(simd, 0.0);
-        let ray = &self.exact;
         let single = [
             Xyz8::load(simd, &corners[0]),
             Xyz8::load(simd, &corners[1]),
@@ -363,9 +376,12 @@ impl<S: Simd> RaysReady<S> {
         ];
         let [a, b, c] = single;
         let (a, b, c) = (each!(a, v => widen(v)), each!(b, v => widen(v)), each!(c, v => widen(v)));
-        let from_origin = a - ray.origin;
-        let (p, q, r) =
-            (ray.sheared(from_origin), ray.sheared(b - ray.origin), ray.sheared(c - ray.origin));
+        let from_origin = a - self.origin;
+        let (p, q, r) = (
+            self.sheared(from_origin),
+            self.sheared(b - self.origin),
+            self.sheared(c - self.origin),
+        );
         let u = r.x * q.y - r.y * q.x;
         let v = p.x * r.y - p.y * r.x;
         let w = q.x * p.y - q.y * p.x;
@@ -375,7 +391,7 @@ impl<S: Simd> RaysReady<S> {
         let there = primitive.simd_ne(u32x8::splat(simd, HitPacket::NOTHING));
         let mut met = !(some_less & some_more) & !det.simd_eq(nil) & widen_mask(there);
 
-        let sz = ray.shear.z;
+        let sz = self.shear.z;
         let in_front = (p.z * sz).min(q.z * sz).min(r.z * sz).simd_gt(nil);
         let mut t = sz * ((u * p.z + v * q.z + w * r.z) / det);
         if (met & !in_front).any_true() {
@@ -383,12 +399,12 @@ impl<S: Simd> RaysReady<S> {
             let height = normal.dot(from_origin);
             let size = each!(normal, n => n.abs()).dot(each!(from_origin, p => p.abs()));
             let off = height.abs().simd_gt(size * (16.0 * f64::EPSILON));
-            t = in_front.select(t, height / normal.dot(ray.direction));
+            t = in_front.select(t, height / normal.dot(self.direction));
             met &= in_front | off;
         }
         let sooner = t.simd_lt(nearest.t)
             | (t.simd_eq(nearest.t) & widen_mask(primitive.simd_lt(nearest.primitive)));
-        met &= t.simd_gt(ray.t_min) & sooner;
+        met &= t.simd_gt(self.t_min) & sooner;
         nearest.t = met.select(t, nearest.t);
         nearest.v = met.select(v, nearest.v);
         nearest.w = met.select(w, nearest.w);
@@ -401,9 +417,7 @@ impl<S: Simd> RaysReady<S> {
             kept.z = met.select(new.z, kept.z);
         }
     }
-}
 
-impl<S: Simd> Exact<S> {
     #[inline(always)]
     fn sheared(&self, p: Xyz<f64x8<S>>) -> Xyz<f64x8<S>> {
         let p = self.turn.turned(p);

@@ -27,9 +27,8 @@ use crate::{Aabb, Ray, Vec3};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, mask32x4};
 
-/// Four triangles. 176 bytes.
+/// Four triangles. 180 bytes.
 #[derive(Clone, Debug)]
-#[repr(align(16))]
 pub(crate) struct Pack {
     /// (vertex, axis, triangle).
     pub(crate) vertices: [[[f32; PACK]; 3]; 3],
@@ -37,8 +36,8 @@ pub(crate) struct Pack {
     pub(crate) edges: [f32; PACK],
     /// The largest extent of the leaf's box along an axis.
     pub(crate) extent: f32,
-    /// The place of the first triangle in the order of the tree; the others follow.
-    first: u32,
+    /// The number of each.
+    pub(crate) primitives: [u32; PACK],
 }
 
 /// Triangles with larger coordinates are met one by one: their products could overflow.
@@ -50,12 +49,12 @@ pub(crate) fn fits(corners: [Vec3; 3]) -> bool {
 }
 
 impl Pack {
-    /// Up to four triangles of a leaf with these bounds.
-    pub(crate) fn new(triangles: &[[Vec3; 3]], first: usize, bounds: &Aabb) -> Self {
+    /// Up to four triangles of a leaf with these bounds: their numbers and corners.
+    pub(crate) fn new(triangles: &[(u32, [Vec3; 3])], bounds: &Aabb) -> Self {
         let extent = bounds.extent().max_element().next_up();
         let (vertices, edges) = ([[[0.0; PACK]; 3]; 3], [f32::NAN; PACK]);
-        let mut pack = Self { vertices, edges, extent, first: first as u32 };
-        for (lane, corners) in triangles.iter().take(PACK).enumerate() {
+        let mut pack = Self { vertices, edges, extent, primitives: [0; PACK] };
+        for (lane, (number, corners)) in triangles.iter().take(PACK).enumerate() {
             for (vertex, corner) in corners.iter().enumerate() {
                 for axis in 0..3 {
                     pack.vertices[vertex][axis][lane] = corner[axis];
@@ -63,6 +62,7 @@ impl Pack {
             }
             let edges = Aabb::around(*corners).extent().max_element();
             pack.edges[lane] = edges.next_up();
+            pack.primitives[lane] = *number;
         }
         pack
     }
@@ -70,12 +70,6 @@ impl Pack {
     /// How many triangles there are.
     pub(crate) fn len(&self) -> usize {
         self.edges.iter().filter(|edge| !edge.is_nan()).count()
-    }
-
-    /// The place of one triangle in the order of the tree.
-    #[inline(always)]
-    pub(crate) fn place(&self, lane: usize) -> usize {
-        self.first as usize + lane
     }
 
     /// The corners of one triangle.

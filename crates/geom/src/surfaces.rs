@@ -26,9 +26,9 @@ pub struct Surfaces {
     customs: Vec<Custom>,
     pub(crate) nodes: Vec<WideNode>,
     pub(crate) packs: Vec<Pack>,
-    /// The numbers of all primitives in the tree, leaf after leaf.
-    pub(crate) order: Vec<u32>,
-    /// Leaves whose primitives are met one by one, as places in the order.
+    /// The numbers of the primitives that are met one by one, leaf after leaf.
+    pub(crate) singles: Vec<u32>,
+    /// The leaves they are in, as places among them.
     pub(crate) others: Vec<Range<usize>>,
     bounds: Aabb,
     report: BuildReport,
@@ -128,7 +128,8 @@ impl Surfaces {
             let most = if places.len() <= MOST_IN_LEAF && only() { MOST_IN_LEAF } else { 1 };
             (places.len() <= most).then(|| places.len().div_ceil(PACK) as f32)
         };
-        let (mut planned, mut others) = (Vec::<(Places, u8)>::new(), Vec::new());
+        let mut planned = Vec::<(Places, u8)>::new();
+        let (mut singles, mut others) = (Vec::new(), Vec::new());
         let nodes = widened(&bvh, cost, |places| {
             let packs = places.len().div_ceil(PACK);
             let fits = |i: &u32| match all_fit {
@@ -142,7 +143,9 @@ impl Surfaces {
                 planned.extend((0..packs as u8).map(|i| (leaf, i)));
                 Inside::leaf(before, packs as u32)
             } else {
-                others.push(places);
+                let before = singles.len();
+                singles.extend(&bvh.order()[places]);
+                others.push(before..singles.len());
                 Inside::leaf(others.len() as u32 - 1, 0)
             }
         });
@@ -155,17 +158,17 @@ impl Surfaces {
         let pack = |(leaf, i): &(Places, u8)| {
             let first = leaf.first as usize;
             let numbers = &order[first..first + usize::from(leaf.count)];
+            let numbered = |number: &u32| Some((*number, corners(number)?));
             let all: ArrayVec<_, { PACK * Inside::MOST_PACKS as usize }> =
-                numbers.iter().filter_map(corners).collect();
-            let before = usize::from(*i) * PACK;
-            let bounds = Aabb::around(all.iter().copied().flatten());
-            Pack::new(&all[before..], first + before, &bounds)
+                numbers.iter().filter_map(numbered).collect();
+            let bounds = Aabb::around(all.iter().flat_map(|(_, corners)| *corners));
+            Pack::new(&all[usize::from(*i) * PACK..], &bounds)
         };
         let packs: Vec<Pack> = planned.par_iter().map(pack).collect();
 
         let bytes = size_of_val(&*nodes)
             + size_of_val(&*packs)
-            + size_of_val(&*order)
+            + size_of_val(&*singles)
             + size_of_val(&*others)
             + size_of_val(&*positions)
             + size_of_val(&*triangles)
@@ -182,7 +185,7 @@ impl Surfaces {
             customs,
             nodes,
             packs,
-            order,
+            singles,
             others,
             bounds,
             report,

@@ -104,7 +104,7 @@ impl WideNode {
 const NODE_COST: f32 = 1.5;
 
 /// How much larger a node is than a pack of triangles.
-const NODE_SIZE: f32 = 256.0 / 176.0;
+const NODE_SIZE: f32 = 256.0 / 180.0;
 
 /// What the memory of a pack costs, where a ray through a box as large as the leaves typically are
 /// meets one at a cost of one. On a scanned mesh this saves 6 % of all memory, and rays are none the
