@@ -69,7 +69,7 @@ fn the_tree_changes_no_bit() {
 /// is no ray, or none that can be traced.
 #[test]
 fn packets_find_what_each_ray_finds() {
-    for (name, scene) in meshes::hard_scenes() {
+    for (name, scene) in meshes::hard_scenes().into_iter().chain([meshes::large_scene()]) {
         let levels = at_every_level(&scene);
         (0..6_000_u64).into_par_iter().for_each(|i| {
             let mut random = Random(i << 20);
@@ -105,7 +105,7 @@ fn packets_find_what_each_ray_finds() {
 /// To know which triangle a ray leaves saves a test and changes nothing.
 #[test]
 fn what_a_ray_leaves_need_not_be_met() {
-    for (name, scene) in meshes::hard_scenes() {
+    for (name, scene) in meshes::hard_scenes().into_iter().chain([meshes::large_scene()]) {
         let triangles = scene.triangles().len() as u32;
         (0..6_000_u64).into_par_iter().for_each(|i| {
             let mut random = Random(i << 20);

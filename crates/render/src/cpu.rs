@@ -32,7 +32,8 @@ impl Counters {
     }
 }
 
-/// So many samples of a tile's pixels are on their way together.
+/// So many samples of a tile's pixels are on their way together. Those of a pixel follow each other:
+/// a packet's rays begin nearly as one.
 const SAMPLES_AT_ONCE: u64 = 8;
 
 /// Everything that a rendering reads and writes.

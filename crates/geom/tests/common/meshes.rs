@@ -112,6 +112,24 @@ pub(crate) fn soup(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> Mesh {
     (positions, triangles)
 }
 
+/// Triangles, spheres and disks under a tree that is too large for the nearer caches.
+pub(crate) fn large_scene() -> (&'static str, Surfaces) {
+    let mut random = Random(2);
+    let r = &mut random;
+    let triangles = (0..150_000).map(|_| {
+        let p = r.point();
+        [p, p + r.point() * 0.02, p + r.point() * 0.02]
+    });
+    let (positions, triangles) = soup(triangles);
+    let spheres = (0..1000).map(|_| Sphere { center: r.point(), radius: 0.005 }).collect();
+    let disks = (0..1000)
+        .map(|_| Disk { center: r.point(), u: r.point() * 0.01, v: r.point() * 0.01 })
+        .collect();
+    let large = Surfaces::new(positions, triangles, spheres, disks, &BuildOptions::default());
+    assert!(large.report().nodes > 4096);
+    ("large", large)
+}
+
 /// Eight scenes of a few hundred primitives, each hard in its own way.
 pub(crate) fn hard_scenes() -> Vec<(&'static str, Surfaces)> {
     let mut random = Random(1);
