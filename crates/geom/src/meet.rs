@@ -384,23 +384,18 @@ impl Surfaces {
         packet: &RayPacket,
         searches: &mut [Search; LANES],
     ) -> HitPacket {
-        let boxes: [_; LANES] = std::array::from_fn(|lane| rays.boxes.one(lane));
-        let packs: [_; LANES] = std::array::from_fn(|lane| rays.packs(packet, lane));
         let mut limits: [f32; LANES] = rays.limit.into();
-        traverse_in_turn(
-            &self.nodes,
-            &boxes,
-            rays.there(),
+        self.in_turn(
+            rays,
+            packet,
             Order::Nearest,
             &mut limits,
             #[inline(always)]
-            |inside| self.touch(inside),
-            #[inline(always)]
-            |lane, leaf, limit| {
+            |lane, packs, leaf, limit| {
                 let all = self.packs_of(leaf.inside);
                 let (search, ray) = (&mut searches[lane], packet.ray(lane));
-                self.search_packs(&packs[lane], &ray, leaf.way, all, limit, search);
-                self.search_singles(&ray, leaf, boxes[lane].scale, limit, search);
+                self.search_packs(packs, &ray, leaf.way, all, limit, search);
+                self.search_singles(&ray, leaf, rays.boxes.scale[lane], limit, search);
                 false
             },
         );
@@ -410,26 +405,45 @@ impl Surfaces {
     /// Which of eight rays that go each its own way are blocked.
     #[inline(always)]
     fn blocked_in_turn<S: Simd>(&self, rays: &RaysReady<S>, packet: &RayPacket) -> u32 {
-        let boxes: [_; LANES] = std::array::from_fn(|lane| rays.boxes.one(lane));
-        let packs: [_; LANES] = std::array::from_fn(|lane| rays.packs(packet, lane));
-        let mut limits: [f32; LANES] = rays.limit.into();
         let mut blocked = 0;
-        traverse_in_turn(
-            &self.nodes,
-            &boxes,
-            rays.there(),
+        self.in_turn(
+            rays,
+            packet,
             Order::Any,
-            &mut limits,
+            &mut rays.limit.into(),
             #[inline(always)]
-            |inside| self.touch(inside),
-            #[inline(always)]
-            |lane, leaf, limit| {
-                let blocks = self.blocks(&packs[lane], &packet.ray(lane), leaf, *limit);
+            |lane, packs, leaf, limit| {
+                let blocks = self.blocks(packs, &packet.ray(lane), leaf, *limit);
                 blocked |= u32::from(blocks) << lane;
                 blocks
             },
         );
         blocked
+    }
+
+    /// Takes eight rays through the tree in turn.
+    #[inline(always)]
+    fn in_turn<S: Simd>(
+        &self,
+        rays: &RaysReady<S>,
+        packet: &RayPacket,
+        order: Order,
+        limits: &mut [f32; LANES],
+        mut leaf: impl FnMut(usize, &PackRay<S>, Met, &mut f32) -> bool,
+    ) {
+        let boxes: [_; LANES] = std::array::from_fn(|lane| rays.boxes.one(lane));
+        let packs: [_; LANES] = std::array::from_fn(|lane| rays.packs(packet, lane));
+        traverse_in_turn(
+            &self.nodes,
+            &boxes,
+            rays.there(),
+            order,
+            limits,
+            #[inline(always)]
+            |inside| self.touch(inside),
+            #[inline(always)]
+            |lane, met, limit| leaf(lane, &packs[lane], met, limit),
+        );
     }
 
     /// Reads from each cache line of what will be visited soon.

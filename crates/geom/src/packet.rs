@@ -224,6 +224,13 @@ fn is_finite<S: Simd>(v: Xyz8<S>) -> mask32x8<S> {
     v.x.abs().simd_lt(infinity) & v.y.abs().simd_lt(infinity) & v.z.abs().simd_lt(infinity)
 }
 
+/// Where the largest of these is x, and where y.
+#[inline(always)]
+fn longest_axis<S: Simd>(size: Xyz8<S>) -> [mask32x8<S>; 2] {
+    let is_x = size.x.simd_gt(size.y) & size.x.simd_gt(size.z);
+    [is_x, !is_x & size.y.simd_gt(size.z)]
+}
+
 impl<S: Simd> RaysReady<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, rays: &RayPacket) -> Self {
@@ -249,8 +256,7 @@ impl<S: Simd> RaysReady<S> {
         let limit = there.select(limit, f32x8::splat(simd, f32::NEG_INFINITY));
 
         // Triangles.
-        let is_x = size.x.simd_gt(size.y) & size.x.simd_gt(size.z);
-        let is_y = !is_x & size.y.simd_gt(size.z);
+        let [is_x, is_y] = longest_axis(size);
         let Xyz { x: dx, y: dy, z: dz } = direction;
         let along = is_x.select(dx, is_y.select(dy, dz));
         let x = is_x.select(dy, is_y.select(dz, dx)) / along;
@@ -338,9 +344,7 @@ impl<S: Simd> TriangleRays<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, rays: &RayPacket) -> Self {
         let direction = Xyz8::load(simd, &rays.direction);
-        let size = each!(direction, d => d.abs());
-        let is_x = size.x.simd_gt(size.y) & size.x.simd_gt(size.z);
-        let is_y = !is_x & size.y.simd_gt(size.z);
+        let [is_x, is_y] = longest_axis(each!(direction, d => d.abs()));
         let turn = Turn { x: widen_mask(is_x), y: widen_mask(is_y) };
         let direction = each!(direction, d => widen(d));
         let along = turn.turned(direction);
