@@ -1,12 +1,13 @@
 //! Passes over the film: tiles shared out among threads, the same bits for any number of them.
 
 use crate::camera::PreparedCamera;
-use crate::film::{Film, FilterSampler, Tile};
+use crate::film::{Crop, Film, FilterSampler, Splat, Splats, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Depth, Direct, Integrator, Naive, Normals, Optimal, Path, Starts,
-    dimension,
+    Albedo, AmbientOcclusion, Caustics, Depth, Direct, Integrator, Naive, Normals, Optimal, Path,
+    Starts, dimension,
 };
 use crate::light::EmitterSelection;
+use crate::math::morton;
 use crate::prepare::Prepared;
 use crate::sampler::{Independent, Sampler, Sequence, Sobol};
 use crate::settings::{IntegratorKind, SamplerKind, Settings, Strategy};
@@ -32,6 +33,13 @@ impl Counters {
     }
 }
 
+/// What sees, and how samples of its film count.
+#[derive(Clone, Copy)]
+struct Eye<'a> {
+    camera: &'a PreparedCamera,
+    filter: &'a FilterSampler,
+}
+
 /// So many samples of a tile's pixels are on their way together. Those of a pixel follow each other:
 /// a packet's rays begin nearly as one.
 const SAMPLES_AT_ONCE: u64 = 8;
@@ -55,6 +63,9 @@ impl Rendering<'_> {
         let max_depth = settings.max_depth.unwrap_or(u32::MAX);
         let (kind, emitters) = (settings.light_selection, self.scene.emitters());
         let radius = self.scene.radius();
+        let camera = self.scene.focused_camera(settings.size);
+        let filter = FilterSampler::new(&settings.filter);
+        let eye = Eye { camera: &camera, filter: &filter };
         match settings.integrator {
             IntegratorKind::Path => {
                 let path = Path {
@@ -70,29 +81,48 @@ impl Rendering<'_> {
                     heuristic: settings.heuristic,
                     roulette: settings.roulette,
                     max_depth,
+                    caustics: self.film.splats().and_then(|_| {
+                        let (size, roulette) = (settings.size, settings.roulette);
+                        Caustics::new(self.scene, &camera, &filter, size, max_depth, roulette)
+                    }),
                 };
+                let caustics = path.caustics;
                 if settings.learns() {
-                    self.run_with(next_pass, &Optimal(path));
+                    self.run_with(next_pass, &Optimal(path), eye, caustics);
                 } else {
-                    self.run_with(next_pass, &path);
+                    self.run_with(next_pass, &path, eye, caustics);
                 }
             }
-            IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }),
+            IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }, eye, None),
             IntegratorKind::Direct => self.run_with(
                 next_pass,
                 &Direct { selection: EmitterSelection::new(kind, emitters, radius) },
+                eye,
+                None,
             ),
-            IntegratorKind::AmbientOcclusion => self.run_with(next_pass, &AmbientOcclusion),
-            IntegratorKind::Normals => self.run_with(next_pass, &Normals),
-            IntegratorKind::Albedo => self.run_with(next_pass, &Albedo),
-            IntegratorKind::Depth => self.run_with(next_pass, &Depth),
+            IntegratorKind::AmbientOcclusion => {
+                self.run_with(next_pass, &AmbientOcclusion, eye, None)
+            }
+            IntegratorKind::Normals => self.run_with(next_pass, &Normals, eye, None),
+            IntegratorKind::Albedo => self.run_with(next_pass, &Albedo, eye, None),
+            IntegratorKind::Depth => self.run_with(next_pass, &Depth, eye, None),
         }
     }
 
-    fn run_with<I: Integrator>(&self, next_pass: impl FnMut() -> Option<u64>, integrator: &I) {
+    fn run_with<I: Integrator>(
+        &self,
+        next_pass: impl FnMut() -> Option<u64>,
+        integrator: &I,
+        eye: Eye<'_>,
+        caustics: Option<Caustics<'_>>,
+    ) {
         match self.settings.sampler {
-            SamplerKind::Independent => self.run_passes::<Independent, I>(next_pass, integrator),
-            SamplerKind::Sobol => self.run_passes::<Sobol, I>(next_pass, integrator),
+            SamplerKind::Independent => {
+                self.run_passes::<Independent, I>(next_pass, integrator, eye, caustics);
+            }
+            SamplerKind::Sobol => {
+                self.run_passes::<Sobol, I>(next_pass, integrator, eye, caustics);
+            }
         }
     }
 
@@ -100,24 +130,31 @@ impl Rendering<'_> {
         &self,
         mut next_pass: impl FnMut() -> Option<u64>,
         integrator: &I,
+        eye: Eye<'_>,
+        caustics: Option<Caustics<'_>>,
     ) {
-        let camera = self.scene.focused_camera(self.settings.size);
-        let filter = FilterSampler::new(&self.settings.filter);
+        let tiles = self.film.tile_count();
+        let blocks = self.film.splats().map_or(0, Splats::block_count);
         while let Some(until_sample) = next_pass() {
             let next = AtomicUsize::new(0);
             let work = || {
                 while !self.stop.load(Ordering::Relaxed) {
                     let ticket = next.fetch_add(1, Ordering::Relaxed);
-                    if ticket >= self.film.tile_count() {
+                    if ticket < tiles {
+                        let mut tile = self.film.tile(ticket);
+                        self.render_tile::<S, I>(&mut tile, until_sample, integrator, eye);
+                        self.film.publish(ticket, &tile);
+                    } else if let (Some(caustics), Some(splats)) = (&caustics, self.film.splats())
+                        && ticket < tiles + blocks
+                    {
+                        self.trace_light::<S>(ticket - tiles, until_sample, caustics, splats);
+                    } else {
                         break;
                     }
-                    let mut tile = self.film.tile(ticket);
-                    self.render_tile::<S, I>(&mut tile, until_sample, integrator, &camera, &filter);
-                    self.film.publish(ticket, &tile);
                 }
             };
             std::thread::scope(|scope| {
-                for _ in 1..self.threads.min(self.film.tile_count()) {
+                for _ in 1..self.threads.min(tiles + blocks) {
                     scope.spawn(work);
                 }
                 work();
@@ -125,13 +162,53 @@ impl Rendering<'_> {
         }
     }
 
+    /// Traces a block of light paths until there are `until_sample` for each of its pixels.
+    fn trace_light<S: Sampler>(
+        &self,
+        block: usize,
+        until_sample: u64,
+        caustics: &Caustics<'_>,
+        shown: &Splats,
+    ) {
+        /// Keeps their numbers apart from those of paths from the camera.
+        const ANOTHER: u64 = 0x9b1d_5c3a_8f27_e641;
+        let settings = self.settings;
+        let planned = settings.planned_spp.unwrap_or(settings.spp);
+        let sequence = Sequence::new(settings.seed ^ ANOTHER, planned.div_ceil(Caustics::EVERY));
+        let (mut rays, mut found) = (0, Vec::new());
+        let mut sample = shown.next_sample(block);
+        while sample < until_sample {
+            let until = until_sample.min(sample + SAMPLES_AT_ONCE * Caustics::EVERY);
+            let (mut paths, mut splats) = (0, Vec::new());
+            for tile in LightBlocks::tiles(settings.size, block) {
+                // Pixels take turns.
+                let places = pixels_of(&tile).flat_map(|pixel @ [x, y]| {
+                    let turn = morton(x, y) % Caustics::EVERY;
+                    let of_pixel = |s: u64| (s + Caustics::EVERY - 1 - turn) / Caustics::EVERY;
+                    (of_pixel(sample)..of_pixel(until)).map(move |number| (pixel, number))
+                });
+                let samplers = places.map(|(pixel, number)| S::new(&sequence, pixel, number));
+                let samplers = samplers.inspect(|_| paths += 1);
+                caustics.trace(samplers, shown, &mut found, &mut rays);
+                let (finite, bad): (Vec<Splat>, Vec<Splat>) =
+                    found.drain(..).partition(|splat| splat.value.is_finite());
+                splats.extend(finite);
+                for splat in bad {
+                    self.film.drop_sample(splat.pixel, sample);
+                }
+            }
+            shown.add(block, until, paths, &splats);
+            sample = until;
+        }
+        self.counters.rays.fetch_add(rays, Ordering::Relaxed);
+    }
+
     fn render_tile<S: Sampler, I: Integrator>(
         &self,
         tile: &mut Tile,
         until_sample: u64,
         integrator: &I,
-        camera: &PreparedCamera,
-        filter: &FilterSampler,
+        Eye { camera, filter }: Eye<'_>,
     ) {
         let (area, settings) = (tile.area, self.settings);
         let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
@@ -141,10 +218,8 @@ impl Rendering<'_> {
         while tile.next_sample < until_sample {
             let until = until_sample.min(tile.next_sample + SAMPLES_AT_ONCE);
             let samples = tile.next_sample..until;
-            let rows = area.y..area.y + area.height;
-            let pixels = rows.flat_map(|y| (area.x..area.x + area.width).map(move |x| [x, y]));
-            let places =
-                pixels.flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
+            let places = pixels_of(&area)
+                .flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
             let places: Vec<([u32; 2], u64)> = places.collect();
             starts.clear();
             weights.clear();
@@ -174,6 +249,49 @@ impl Rendering<'_> {
         }
         self.counters.rays.fetch_add(rays, Ordering::Relaxed);
         self.counters.paths.fetch_add(paths, Ordering::Relaxed);
+    }
+}
+
+/// The pixels of an area, row by row.
+fn pixels_of(area: &Crop) -> impl Iterator<Item = [u32; 2]> + use<> {
+    let (columns, rows) = (area.x..area.x + area.width, area.y..area.y + area.height);
+    rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
+}
+
+/// How the picture's light paths, one for each sample of each pixel, are shared out: in runs of
+/// square tiles, of the whole picture, for wherever a path starts it may come down in any crop.
+pub(crate) struct LightBlocks;
+
+impl LightBlocks {
+    /// Side of a tile in pixels.
+    const TILE: u32 = 16;
+    /// In larger pictures blocks have more tiles.
+    const MOST: u64 = 1 << 16;
+
+    fn tile_grid(size: [u32; 2]) -> [u64; 2] {
+        size.map(|side| u64::from(side.div_ceil(Self::TILE)))
+    }
+
+    fn tiles_each(size: [u32; 2]) -> u64 {
+        let [columns, rows] = Self::tile_grid(size);
+        (columns * rows).div_ceil(Self::MOST)
+    }
+
+    /// How many blocks a picture has.
+    pub(crate) fn count(size: [u32; 2]) -> usize {
+        let [columns, rows] = Self::tile_grid(size);
+        (columns * rows).div_ceil(Self::tiles_each(size)) as usize
+    }
+
+    /// The tiles of a block.
+    fn tiles(size: [u32; 2], block: usize) -> impl Iterator<Item = Crop> {
+        let ([columns, rows], each) = (Self::tile_grid(size), Self::tiles_each(size));
+        let first = block as u64 * each;
+        (first..(first + each).min(columns * rows)).map(move |tile| {
+            let [x, y] = [tile % columns, tile / columns].map(|t| t as u32 * Self::TILE);
+            let [width, height] = size;
+            Crop { x, y, width: Self::TILE.min(width - x), height: Self::TILE.min(height - y) }
+        })
     }
 }
 

@@ -18,10 +18,22 @@ pub struct SurfaceInteraction {
     /// The point moved onto the smooth surface that the vertex normals describe; diffusely
     /// scattered rays on the side of `wo` start here.
     smooth_position: Vec3,
+    leaning: Leaning,
     /// The number of the material in the prepared scene.
     pub material: u32,
     /// The number of the emitter that this surface is, if it glows.
     pub emitter: Option<u32>,
+}
+
+/// How the shading normal lies to the true one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Leaning {
+    /// It is the true one.
+    None,
+    /// It is interpolated.
+    Interpolated,
+    /// It had to be bent for `wo`.
+    Bent,
 }
 
 impl SurfaceInteraction {
@@ -34,7 +46,17 @@ impl SurfaceInteraction {
         emitter: Option<u32>,
     ) -> Self {
         let shading = Frame::around(normal);
-        Self { position, normal, wo, shading, smooth_position: position, material, emitter }
+        let leaning = Leaning::None;
+        Self {
+            position,
+            normal,
+            wo,
+            shading,
+            smooth_position: position,
+            leaning,
+            material,
+            emitter,
+        }
     }
 
     /// A point on a triangle with vertex normals, interpolated to `normal` (any length).
@@ -52,7 +74,34 @@ impl SurfaceInteraction {
             let n = if n.dot(self.normal) * seen_side < 0.0 { -n } else { n };
             lift - n * (weight * (self.position - vertex).dot(n).min(0.0))
         });
-        Self { shading: Frame::around(bent), smooth_position: self.position + lift, ..self }
+        let leaning = if bent == normal { Leaning::Interpolated } else { Leaning::Bent };
+        let smooth_position = self.position + lift;
+        Self { shading: Frame::around(bent), smooth_position, leaning, ..self }
+    }
+
+    /// True where the shading normal is the true one.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.leaning == Leaning::None
+    }
+
+    /// How much denser paths become, per projected area and solid angle, when they come from `wi`
+    /// and are sent to `wo` in a single direction by a normal that is not the true one: Veach 1997,
+    /// section 5.3. `None` where light that comes from `wi` would see another normal than light
+    /// that comes from `wo`, so that it cannot take the same way.
+    pub(crate) fn squeeze(&self, wi: Vec3) -> Option<f32> {
+        let [shaded_o, true_o] = [self.shading.z.dot(self.wo), self.normal.dot(self.wo)];
+        let [shaded_i, true_i] = [self.shading.z.dot(wi), self.normal.dot(wi)];
+        let side = if true_i < 0.0 { -1.0 } else { 1.0 };
+        let straight = match self.leaning {
+            Leaning::None => return Some(1.0),
+            Leaning::Bent => false,
+            Leaning::Interpolated => {
+                let (shading, normal) = (side * self.shading.z, side * self.normal);
+                consistent_normal(shading, normal, wi) == shading
+            }
+        };
+        let factor = (shaded_o * true_i) / (true_o * shaded_i);
+        (straight && shaded_o * true_o > 0.0 && shaded_i * true_i > 0.0).then_some(factor)
     }
 
     /// `wo` in the shading frame. Its z is positive exactly on the front.

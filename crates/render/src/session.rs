@@ -5,8 +5,8 @@
 //! of samples. Where a session was interrupted or continued leaves no trace
 //! in the picture.
 
-use crate::cpu::{Counters, Rendering};
-use crate::film::{Dropped, Film};
+use crate::cpu::{Counters, LightBlocks, Rendering};
+use crate::film::{Dropped, Film, Splats};
 use crate::image::Image;
 use crate::prepare::Prepared;
 use crate::scene::SceneProblem;
@@ -81,8 +81,17 @@ impl Session {
         threads: usize,
     ) -> Result<Self, SceneProblem> {
         settings.validate()?;
+        let window = settings.window();
+        let splats = scene.casting().filter(|_| settings.traces_light()).map(|casting| {
+            Splats::new(
+                window,
+                settings.size,
+                casting.brightest(),
+                LightBlocks::count(settings.size),
+            )
+        });
         let shared = Arc::new(Shared {
-            film: Film::new(settings.window(), settings.learns()),
+            film: Film::new(window, settings.learns(), splats),
             state: Mutex::new(State {
                 target: settings.spp,
                 pass: 0,

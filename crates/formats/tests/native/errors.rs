@@ -71,7 +71,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[environmnt]\ncolor = 1", r#"8:2: no key "environmnt"; did you mean "environment"?"#),
     (
         "[render]\n\"a\\u0007\\nb\" = 1",
-        r#"9:1: no key "a\u{7}\nb" in [render]; there are size, crop, spp, max_depth, integrator, sampler, seed, filter, filter_radius, filter_sigma, filter_bc, strategy, heuristic, roulette, light_selection, exposure, curve"#,
+        r#"9:1: no key "a\u{7}\nb" in [render]; there are size, crop, spp, max_depth, integrator, sampler, seed, filter, filter_radius, filter_sigma, filter_bc, strategy, heuristic, roulette, light_selection, caustics, exposure, curve"#,
     ),
     // Types.
     (

@@ -283,6 +283,11 @@ impl Bsdf {
         self.spread == 0
     }
 
+    /// True when some of it is scattered into single directions.
+    pub(crate) fn has_delta(&self) -> bool {
+        self.lobes().count() > usize::from(self.spread)
+    }
+
     /// True when what [`sample`](Self::sample) gives depends on `choice`.
     pub(crate) fn chooses(&self) -> bool {
         self.chooses

@@ -5,7 +5,7 @@
 //!
 //! Its eye is a point: a lens would need a direction.
 
-use super::pose;
+use super::pose::{self, Seen, Sight};
 use crate::math::lat_long;
 use crate::problem::SceneProblem;
 use rutilant_geom::{Ray, Transform, Vec2, Vec3};
@@ -30,7 +30,11 @@ impl Equirectangular {
 
     pub(super) fn prepare(&self, size: [u32; 2]) -> PreparedEquirectangular {
         let uv_per_pixel = size.map(|side| 1.0 / side as f32).into();
-        PreparedEquirectangular { world_from_camera: self.world_from_camera, uv_per_pixel }
+        PreparedEquirectangular {
+            world_from_camera: self.world_from_camera,
+            uv_per_pixel,
+            sight: Sight::new(&self.world_from_camera),
+        }
     }
 }
 
@@ -39,6 +43,7 @@ impl Equirectangular {
 pub(crate) struct PreparedEquirectangular {
     world_from_camera: Transform,
     uv_per_pixel: Vec2,
+    sight: Sight,
 }
 
 impl PreparedEquirectangular {
@@ -46,5 +51,22 @@ impl PreparedEquirectangular {
         let pose = &self.world_from_camera;
         let direction = lat_long::direction_from_uv(film * self.uv_per_pixel);
         Ray::new(pose.translation(), pose.vector(direction).normalize())
+    }
+
+    /// Where `point` is seen.
+    pub(super) fn seen(&self, point: Vec3) -> Option<Seen> {
+        let way = self.sight.point(point).try_normalize()?;
+        let film = lat_long::uv_from_direction(way) / self.uv_per_pixel;
+        Some(Seen { film, eye: self.world_from_camera.translation() })
+    }
+
+    /// How many pixels a m² fills, of a surface that faces the ray of direction `direction` which
+    /// sees it at `distance`.
+    pub(super) fn pixels_per_area(&self, direction: Vec3, distance: f32) -> f32 {
+        let way = self.sight.vector(direction);
+        let length = way.length();
+        let per_solid_angle = lat_long::uv_per_solid_angle(way / length)
+            / (self.uv_per_pixel.x * self.uv_per_pixel.y);
+        per_solid_angle * self.sight.volume() / (length * length * length * distance * distance)
     }
 }

@@ -119,11 +119,18 @@ impl PreparedLens {
     pub(super) fn ray(&self, chief: &Chief, pose: &Transform, u: Vec2) -> Ray {
         let Chief { mut origin, mut direction } = *chief;
         if self.is_open() {
-            let lens = (self.point(u) * self.half_size).extend(0.0);
+            let [lens, bend] = self.bend(u);
             origin += lens;
-            direction -= lens / self.focus_distance;
+            direction += bend;
         }
         Ray::new(pose.point(origin), pose.vector(direction).normalize())
+    }
+
+    /// The point of the lens that `u` stands for, and by what the direction of its ray differs from
+    /// that through the middle, which comes to the plane at distance 1.
+    pub(super) fn bend(&self, u: Vec2) -> [Vec3; 2] {
+        let lens = (self.point(u) * self.half_size).extend(0.0);
+        [lens, -lens / self.focus_distance]
     }
 
     /// False for a pinhole.

@@ -17,6 +17,7 @@ use fearless_simd::{Simd, f32x8};
 use lens::Chief;
 use orthographic::PreparedOrthographic;
 use perspective::PreparedPerspective;
+pub(crate) use pose::Seen;
 use rutilant_geom::lanes::LANES;
 use rutilant_geom::{Ray, RayPacket, Transform, Vec2, Vec3};
 
@@ -154,6 +155,26 @@ impl PreparedCamera {
             Self::Perspective(c) => c.has_lens(),
             Self::Orthographic(c) => c.has_lens(),
             Self::Equirectangular(_) => false,
+        }
+    }
+
+    /// Where `point` is seen, through the point of the lens that `u` stands for: there
+    /// [`ray`](Self::ray) sees it. `None` behind the camera.
+    pub(crate) fn seen(&self, point: Vec3, u: Vec2) -> Option<Seen> {
+        match self {
+            Self::Perspective(c) => c.seen(point, u),
+            Self::Orthographic(c) => c.seen(point, u),
+            Self::Equirectangular(c) => c.seen(point),
+        }
+    }
+
+    /// How many pixels a m² fills, of a surface that faces the ray which sees it at `distance`
+    /// metres along the unit vector `direction`.
+    pub(crate) fn pixels_per_area(&self, direction: Vec3, distance: f32) -> f32 {
+        match self {
+            Self::Perspective(c) => c.pixels_per_area(direction, distance),
+            Self::Orthographic(c) => c.pixels_per_area(direction),
+            Self::Equirectangular(c) => c.pixels_per_area(direction, distance),
         }
     }
 

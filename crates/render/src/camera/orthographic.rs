@@ -10,7 +10,7 @@
 //! section 5.2.2.
 
 use super::lens::{Chief, Lens, PreparedLens};
-use super::pose;
+use super::pose::{self, Seen, Sight};
 use crate::problem::{POSITIVE, Place, SceneProblem};
 use rutilant_geom::{Ray, Transform, Vec2, Vec3};
 
@@ -49,6 +49,7 @@ impl Orthographic {
             per_pixel,
             corner: Vec2::new(-0.5 * width as f32 * per_pixel, 0.5 * self.height),
             lens: self.lens.prepare(),
+            sight: Sight::new(&self.world_from_camera),
         }
     }
 }
@@ -62,6 +63,7 @@ pub(crate) struct PreparedOrthographic {
     /// The upper left corner of the film.
     corner: Vec2,
     lens: PreparedLens,
+    sight: Sight,
 }
 
 impl PreparedOrthographic {
@@ -80,5 +82,22 @@ impl PreparedOrthographic {
 
     pub(super) fn ray(&self, film: Vec2, u: Vec2) -> Ray {
         self.lens.ray(&self.chief(film), &self.world_from_camera, u)
+    }
+
+    /// Where `point` is seen through the point of the lens that `u` stands for.
+    pub(super) fn seen(&self, point: Vec3, u: Vec2) -> Option<Seen> {
+        let [lens, bend] = self.lens.bend(u);
+        let point = self.sight.point(point);
+        let ahead = (point.z < 0.0).then_some(-point.z)?;
+        let origin = (point - ahead * (Vec3::NEG_Z + bend)).with_z(0.0);
+        let chief = origin - lens;
+        let film = Vec2::new(chief.x - self.corner.x, self.corner.y - chief.y) / self.per_pixel;
+        Some(Seen { film, eye: self.world_from_camera.point(origin) })
+    }
+
+    /// How many pixels a m² fills, of a surface that faces the ray of direction `direction`.
+    pub(super) fn pixels_per_area(&self, direction: Vec3) -> f32 {
+        self.sight.volume() * self.sight.length_to_plane(direction)
+            / (self.per_pixel * self.per_pixel)
     }
 }

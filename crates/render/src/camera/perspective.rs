@@ -6,7 +6,7 @@
 //! section 5.2.3.
 
 use super::lens::{Chief, Lens, PreparedLens};
-use super::pose;
+use super::pose::{self, Seen, Sight};
 use crate::problem::{Place, SceneProblem};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -55,6 +55,7 @@ impl Perspective {
             per_pixel,
             corner: Vec2::new(-0.5 * width as f32 * per_pixel, half_height),
             lens: self.lens.prepare(),
+            sight: Sight::new(&self.world_from_camera),
         }
     }
 }
@@ -68,6 +69,7 @@ pub(crate) struct PreparedPerspective {
     /// The upper left corner of the film.
     corner: Vec2,
     lens: PreparedLens,
+    sight: Sight,
 }
 
 impl PreparedPerspective {
@@ -86,6 +88,24 @@ impl PreparedPerspective {
 
     pub(super) fn has_lens(&self) -> bool {
         self.lens.is_open()
+    }
+
+    /// Where `point` is seen through the point of the lens that `u` stands for.
+    pub(super) fn seen(&self, point: Vec3, u: Vec2) -> Option<Seen> {
+        let [lens, bend] = self.lens.bend(u);
+        let way = self.sight.point(point) - lens;
+        let ahead = (way.z < 0.0).then_some(-way.z)?;
+        let chief = way / ahead - bend;
+        let film = Vec2::new(chief.x - self.corner.x, self.corner.y - chief.y) / self.per_pixel;
+        Some(Seen { film, eye: self.world_from_camera.point(lens) })
+    }
+
+    /// How many pixels a m² fills, of a surface that faces the ray of direction `direction` which
+    /// sees it at `distance`.
+    pub(super) fn pixels_per_area(&self, direction: Vec3, distance: f32) -> f32 {
+        let length = self.sight.length_to_plane(direction);
+        let larger = length / (distance * self.per_pixel);
+        self.sight.volume() * length * larger * larger
     }
 
     /// The rays of a pinhole through eight points of the film.

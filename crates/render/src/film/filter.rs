@@ -186,6 +186,46 @@ impl FilterSampler {
         (Vec2::new(x, y), wx * wy)
     }
 
+    /// Chooses, by `u` in [0, 1)², one of the pixels whose filters see a point of the film: its
+    /// column and row, which may lie outside the picture, and what a sample of that point counts
+    /// for it, so that all pixels together get what their filters say. `None` between filters
+    /// that do not cover the film.
+    pub(crate) fn pixel_of(&self, film: Vec2, u: Vec2) -> Option<([i64; 2], f32)> {
+        let ((x, wx), (y, wy)) = (self.pixel_along(film.x, u.x)?, self.pixel_along(film.y, u.y)?);
+        Some(([x, y], wx * wy))
+    }
+
+    fn pixel_along(&self, at: f32, u: f32) -> Option<(i64, f32)> {
+        let (first, last) = ((at - self.radius - 0.5).ceil(), (at + self.radius - 0.5).floor());
+        let values = || {
+            let count = (last - first).clamp(-1.0, 32.0) as i32 + 1;
+            (0..count).map(|i| (first + i as f32, self.value(at - (first + i as f32 + 0.5))))
+        };
+        let total: f32 = values().map(|(_, value)| value.abs()).sum();
+        let (mut left, mut chosen) = (u * total, None);
+        for (pixel, value) in values().filter(|(_, value)| *value != 0.0) {
+            chosen = Some((pixel as i64, total.copysign(value)));
+            if left < value.abs() {
+                break;
+            }
+            left -= value.abs();
+        }
+        chosen
+    }
+
+    /// The filter along one axis as it is drawn from, `x` pixels from the centre, with an integral
+    /// of 1.
+    fn value(&self, x: f32) -> f32 {
+        let count = self.signs.len();
+        let place = (x / self.radius + 1.0) * (0.5 * count as f32);
+        if !(place >= 0.0 && place < count as f32) {
+            return 0.0;
+        }
+        let i = place as usize;
+        let density = (self.cumulative[i + 1] - self.cumulative[i]) * count as f32;
+        self.signs[i] * self.gain * density / (2.0 * self.radius)
+    }
+
     fn sample_axis(&self, u: f32) -> (f32, f32) {
         let count = self.signs.len();
         let i = (self.cumulative.partition_point(|&c| c <= u).max(1) - 1).min(count - 1);

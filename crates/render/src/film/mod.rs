@@ -3,14 +3,17 @@
 //! The film is cut into tiles, each with its own sums, so that threads never
 //! meet. A pixel adds its samples in the order of their numbers; how the
 //! samples were spread over passes and threads leaves no trace in the sums.
+//! Light paths find pixels by themselves, in any order: see `splats.rs`.
 
 mod crop;
 mod filter;
 mod learned;
+mod splats;
 
 pub use crop::Crop;
 pub use filter::Filter;
 pub(crate) use filter::FilterSampler;
+pub(crate) use splats::{Splat, Splats};
 
 use crate::color::Spectrum;
 use crate::image::{Channel, Image};
@@ -133,11 +136,14 @@ pub(crate) struct Film {
     /// Samples that each tile has; read without waiting for the tile.
     samples: Vec<AtomicU64>,
     dropped: Mutex<Dropped>,
+    /// What light paths bring, where there are any.
+    splats: Option<Splats>,
 }
 
 impl Film {
-    /// A black film. With `learns`, samples bring a control that its pixels learn to use.
-    pub(crate) fn new(window: Crop, learns: bool) -> Self {
+    /// A black film. With `learns`, samples bring a control that its pixels learn to use; with
+    /// `splats`, light paths add to it.
+    pub(crate) fn new(window: Crop, learns: bool, splats: Option<Splats>) -> Self {
         let (columns, rows) = (window.width.div_ceil(TILE), window.height.div_ceil(TILE));
         let mut places: Vec<(u32, u32)> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).collect();
@@ -158,11 +164,21 @@ impl Film {
             .collect();
         let samples = std::iter::repeat_with(AtomicU64::default);
         let samples = samples.take(columns as usize * rows as usize).collect();
-        Self { window, tiles, samples, dropped: Mutex::default() }
+        Self { window, tiles, samples, dropped: Mutex::default(), splats }
     }
 
     pub(crate) fn tile_count(&self) -> usize {
         self.tiles.len()
+    }
+
+    /// What light paths bring, where there are any.
+    pub(crate) fn splats(&self) -> Option<&Splats> {
+        self.splats.as_ref()
+    }
+
+    /// Counts sample number `sample` of a pixel, which is no number.
+    pub(crate) fn drop_sample(&self, [x, y]: [u32; 2], sample: u64) {
+        locked(&self.dropped).add(DroppedSample { sample, y, x });
     }
 
     /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture to its tile,
@@ -171,13 +187,14 @@ impl Film {
     pub(crate) fn add(
         &self,
         tile: &mut Tile,
-        [x, y]: [u32; 2],
+        pixel: [u32; 2],
         sample: u64,
         value: Spectrum,
         control: f32,
     ) {
+        let [x, y] = pixel;
         if !tile.add(x, y, value, control) {
-            locked(&self.dropped).add(DroppedSample { sample, y, x });
+            self.drop_sample(pixel, sample);
         }
     }
 
@@ -193,7 +210,8 @@ impl Film {
 
     /// Samples that every pixel has.
     pub(crate) fn samples(&self) -> u64 {
-        self.samples.iter().map(|s| s.load(Ordering::Relaxed)).min().unwrap_or(0)
+        let tiles = self.samples.iter().map(|s| s.load(Ordering::Relaxed)).min().unwrap_or(0);
+        self.splats.as_ref().map_or(tiles, |splats| tiles.min(splats.samples()))
     }
 
     pub(crate) fn dropped(&self) -> Dropped {
@@ -214,7 +232,15 @@ impl Film {
                 let x = x + (area.x - self.window.x) as usize;
                 let y = y + (area.y - self.window.y) as usize;
                 let at = y * width as usize + x;
-                let both = pixel.mean().into_iter().chain(pixel.variance_of_mean());
+                let (mut mean, mut variance) = (pixel.mean(), pixel.variance_of_mean());
+                if let Some(splats) = &self.splats {
+                    let added = splats.added(at);
+                    for c in 0..3 {
+                        mean[c] = (f64::from(mean[c]) + added.mean[c]) as f32;
+                        variance[c] = (f64::from(variance[c]) + added.variance[c]) as f32;
+                    }
+                }
+                let both = mean.into_iter().chain(variance);
                 // Exact up to 2²⁴ samples, and to seven digits beyond.
                 let all = both.chain([pixel.count as f32]);
                 for (channel, value) in values.iter_mut().zip(all) {
@@ -255,7 +281,7 @@ mod tests {
     /// One bad sample must not spoil its pixel: it is dropped, counted and located.
     #[test]
     fn samples_that_are_no_numbers_are_dropped_and_located() {
-        let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 }, false);
+        let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 }, false, None);
         let mut tile = film.tile(0);
         film.add(&mut tile, [7, 8], 0, Spectrum::WHITE, 0.0);
         film.add(&mut tile, [7, 8], 2, Spectrum::splat(f32::INFINITY), 0.0);
@@ -274,7 +300,7 @@ mod tests {
     #[test]
     fn tiles_cover_the_window() {
         for (width, height) in [(1, 1), (101, 97), (16, 33), (1, 1000)] {
-            let film = Film::new(Crop { x: 3, y: 4, width, height }, false);
+            let film = Film::new(Crop { x: 3, y: 4, width, height }, false, None);
             let mut seen = vec![0; (width * height) as usize];
             for i in 0..film.tile_count() {
                 let area = film.tile(i).area;

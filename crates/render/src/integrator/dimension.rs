@@ -10,6 +10,25 @@ pub(crate) const FILM: u32 = 0;
 /// Where on the lens.
 pub(crate) const LENS: u32 = 1;
 
+/// The decisions at the start of a light path, and where it comes to the camera. They are the last
+/// there are: no path from the camera is long enough to come to them.
+pub(crate) mod light_path {
+    /// Which lamp.
+    pub(crate) const LAMP: u32 = u32::MAX;
+    /// Where on it.
+    pub(crate) const POINT: u32 = u32::MAX - 1;
+    /// Towards which caster.
+    pub(crate) const CASTER: u32 = u32::MAX - 2;
+    /// In which direction.
+    pub(crate) const DIRECTION: u32 = u32::MAX - 3;
+    /// Through which point of the lens it is seen.
+    pub(crate) const LENS: u32 = u32::MAX - 4;
+    /// By which of the pixels that see it.
+    pub(crate) const PIXEL: u32 = u32::MAX - 5;
+    /// How what it brings is rounded.
+    pub(crate) const ROUNDING: u32 = u32::MAX - 6;
+}
+
 /// The decisions at the end of a path's `depth`-th segment, from 1.
 #[derive(Clone, Copy)]
 pub(crate) struct Bounce(u32);
@@ -17,6 +36,11 @@ pub(crate) struct Bounce(u32);
 impl Bounce {
     pub(crate) fn at(depth: u32) -> Self {
         Self(5_u32.wrapping_mul(depth.wrapping_sub(1)).wrapping_add(2))
+    }
+
+    /// The same of a light path.
+    pub(crate) fn of_light(depth: u32) -> Self {
+        Self::at(depth.wrapping_add(1 << 29))
     }
 
     /// Which of the BSDF's ways to scatter.

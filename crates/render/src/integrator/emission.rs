@@ -1,5 +1,6 @@
 //! Light as a scattered ray finds it, with the density that light sampling would have had.
 
+use super::caustics::Caustics;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;
@@ -41,6 +42,12 @@ impl SeenEmission {
         let emitter = emitter as usize;
         let radiance = scene.emitters()[emitter].glow()?.towards(wo, normal);
         (!radiance.is_black()).then_some(Self { radiance, emitter, position, normal })
+    }
+
+    /// The share in this light of a path from the camera, which found it along `direction`; light
+    /// paths find the rest, where there is a `lead`.
+    pub(super) fn caustic_share(&self, caustics: &Caustics<'_>, lead: f32, direction: Vec3) -> f32 {
+        caustics.share(lead, self.emitter, self.position, self.normal, direction)
     }
 
     /// The density, in 1/sr, with which light sampling at `from` would have chosen `wi`.

@@ -1,5 +1,6 @@
 //! What is computed along each camera ray.
 
+mod caustics;
 mod control;
 mod debug;
 pub(crate) mod dimension;
@@ -11,6 +12,7 @@ mod optimal;
 mod packet;
 mod path;
 
+pub(crate) use caustics::Caustics;
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
 pub(crate) use direct::Direct;
 pub(crate) use estimate::Integrator;

@@ -15,9 +15,9 @@ use rutilant_geom::Ray;
 
 /// A path tracer in which both ways of finding light are combined by
 /// [`Heuristic::Optimal`](crate::settings::Heuristic::Optimal).
-pub(crate) struct Optimal(pub(crate) Path);
+pub(crate) struct Optimal<'a>(pub(crate) Path<'a>);
 
-impl Integrator for Optimal {
+impl Integrator for Optimal<'_> {
     fn radiance<S: Sampler>(
         &self,
         scene: &Prepared,
@@ -104,7 +104,8 @@ mod tests {
             let selection = EmitterSelection::new(selection, scene.emitters(), scene.radius());
             let (strategy, heuristic) = (Strategy::Both, Heuristic::Optimal);
             let max_depth = u32::MAX;
-            let optimal = Optimal(Path { selection, strategy, heuristic, roulette, max_depth });
+            let path = Path { selection, strategy, heuristic, roulette, max_depth, caustics: None };
+            let optimal = Optimal(path);
             let (mut whole, mut whole_squared) = (0.0, 0.0);
             for y in 0..SIZE {
                 let (mut sum, mut squares) = (0.0, 0.0);

@@ -10,6 +10,7 @@
 //! Source: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, *Robust
 //! Monte Carlo Methods for Light Transport Simulation*, 1997, chapters 8 to 10.
 
+use super::caustics::Caustics;
 use super::control::Control;
 use super::dimension::Bounce;
 use super::emission::SeenEmission;
@@ -25,13 +26,15 @@ use crate::settings::{Heuristic, Roulette, Strategy};
 use rutilant_geom::{Ray, Vec3, with_vectors};
 
 /// Path tracing with light and BSDF sampling.
-pub(crate) struct Path {
+pub(crate) struct Path<'a> {
     pub(crate) selection: EmitterSelection,
     pub(crate) strategy: Strategy,
     pub(crate) heuristic: Heuristic,
     pub(crate) roulette: Roulette,
     /// The longest path in segments.
     pub(crate) max_depth: u32,
+    /// How light paths help with caustics, if they do.
+    pub(crate) caustics: Option<Caustics<'a>>,
 }
 
 /// The surface that a path last left, where light sampling could have found what is met next.
@@ -42,7 +45,7 @@ pub(super) struct Previous {
     pub(super) pdf: f32,
 }
 
-impl Integrator for Path {
+impl Integrator for Path<'_> {
     fn radiance<S: Sampler>(
         &self,
         scene: &Prepared,
@@ -68,7 +71,7 @@ impl Integrator for Path {
     }
 }
 
-impl Path {
+impl Path<'_> {
     /// The radiance along `camera_ray`. Tells `control` how light was found.
     pub(super) fn trace<S: Sampler, C: Control>(
         &self,
@@ -86,6 +89,8 @@ impl Path {
         let mut media = scene.camera_media();
         // Radiance is larger inside a dense medium by this factor; it will be lost on leaving.
         let mut density_gain = 1.0;
+        // Set where light paths could have found what is met next: see `Caustics::lead`.
+        let mut lead = 0.0;
 
         for depth in 1..=self.max_depth {
             // Find the next surface, or leave the scene, and lose what the media on the way take.
@@ -95,7 +100,7 @@ impl Path {
                 if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
                     let previous = previous.as_ref().filter(|_| !glowing.beyond_passed);
                     control.carries(throughput * glowing.through);
-                    let seen = self.weighted(scene, &emission, direction, previous, control);
+                    let seen = self.weighted(scene, &emission, direction, previous, 0.0, control);
                     radiance += throughput * glowing.through * seen;
                 }
             });
@@ -108,7 +113,7 @@ impl Path {
             let Some(met) = way.met else {
                 if let Some(sky) = SeenEmission::of_sky(scene, direction) {
                     radiance += throughput
-                        * self.weighted(scene, &sky, direction, previous.as_ref(), control);
+                        * self.weighted(scene, &sky, direction, previous.as_ref(), 0.0, control);
                 }
                 break;
             };
@@ -117,8 +122,9 @@ impl Path {
 
             // Light that starts here, weighted against having been chosen by light sampling.
             if let Some(emission) = SeenEmission::of_surface(scene, at) {
+                let (previous, lead) = (previous.as_ref(), lead / density_gain);
                 radiance += throughput
-                    * self.weighted(scene, &emission, direction, previous.as_ref(), control);
+                    * self.weighted(scene, &emission, direction, previous, lead, control);
             }
             if depth == self.max_depth {
                 break;
@@ -140,13 +146,21 @@ impl Path {
             ray = at.scattered_ray(&material.bsdf, &sample, crossed);
             previous =
                 (!sample.delta).then_some(Previous { position: ray.origin, pdf: sample.pdf });
+            lead = match &self.caustics {
+                Some(caustics) if depth == 1 && !sample.delta => {
+                    caustics.lead(at, met.hit.t, ray.direction, sample.pdf)
+                }
+                Some(_) if sample.delta => lead * at.squeeze(ray.direction).unwrap_or(0.0),
+                _ => 0.0,
+            };
             if crossed {
                 met.cross(&mut media);
                 density_gain *= sample.eta * sample.eta;
             }
 
             // End dim paths by roulette; the survivors stand in for the ended.
-            let survival = self.survival(depth, throughput * density_gain, material, sample.delta);
+            let worth = throughput * density_gain;
+            let survival = survival(self.roulette, depth, worth, material, sample.delta);
             if survival < 1.0 {
                 if sampler.d1(bounce.roulette()) >= survival {
                     break;
@@ -159,17 +173,22 @@ impl Path {
     }
 
     /// Emission that a ray in this direction ran into, times the share that BSDF sampling has in
-    /// finding it; all of it without a `previous` surface.
+    /// finding it. Without a `previous` surface that is all of it, less what light paths find where
+    /// there is a `lead`.
     pub(super) fn weighted<C: Control>(
         &self,
         scene: &Prepared,
         seen: &SeenEmission,
         direction: Vec3,
         previous: Option<&Previous>,
+        lead: f32,
         control: &mut C,
     ) -> Spectrum {
         let share = match previous {
-            None => 1.0,
+            None => match &self.caustics {
+                Some(caustics) if lead > 0.0 => seen.caustic_share(caustics, lead, direction),
+                _ => 1.0,
+            },
             Some(p) => {
                 let light_pdf = || seen.light_pdf(scene, &self.selection, p.position, direction);
                 match self.strategy {
@@ -240,25 +259,25 @@ impl Path {
         control.light(arrives, 1.0 - share);
         arrives
     }
+}
 
-    /// The probability with which a path goes on after its `depth`-th segment.
-    fn survival(
-        &self,
-        depth: u32,
-        worth: Spectrum,
-        material: &PreparedMaterial,
-        delta: bool,
-    ) -> f32 {
-        let survival = match self.roulette {
-            Roulette::Off => return 1.0,
-            Roulette::Albedo if delta => 1.0,
-            Roulette::Albedo => material.bsdf.albedo().max_channel().clamp(0.1, 1.0),
-            Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
-            Roulette::Throughput => (worth.max_channel() * (1.0 / SURE_FROM)).clamp(0.0, 1.0),
-        };
-        // What is no number goes on, to be counted in the picture: `min` gives the other one.
-        survival.min(if depth < ENDLESS_FROM { 1.0 } else { ENDLESS_SURVIVAL })
-    }
+/// The probability with which a path goes on after its `depth`-th segment.
+pub(super) fn survival(
+    roulette: Roulette,
+    depth: u32,
+    worth: Spectrum,
+    material: &PreparedMaterial,
+    delta: bool,
+) -> f32 {
+    let survival = match roulette {
+        Roulette::Off => return 1.0,
+        Roulette::Albedo if delta => 1.0,
+        Roulette::Albedo => material.bsdf.albedo().max_channel().clamp(0.1, 1.0),
+        Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
+        Roulette::Throughput => (worth.max_channel() * (1.0 / SURE_FROM)).clamp(0.0, 1.0),
+    };
+    // What is no number goes on, to be counted in the picture: `min` gives the other one.
+    survival.min(if depth < ENDLESS_FROM { 1.0 } else { ENDLESS_SURVIVAL })
 }
 
 /// Segments before roulette by throughput may end a path. The first bounces carry most of the
@@ -300,20 +319,13 @@ mod tests {
     #[test]
     fn survival_is_a_probability() {
         for roulette in [Roulette::Off, Roulette::Albedo, Roulette::Throughput] {
-            let path = Path {
-                selection: EmitterSelection::None,
-                strategy: Strategy::Both,
-                heuristic: Heuristic::Power,
-                roulette,
-                max_depth: u32::MAX,
-            };
             for albedo in [0.0, 0.05, 0.7, 1.0, 3.0, f32::INFINITY, f32::NAN] {
                 let lobe = Lambert { albedo: Spectrum::splat(albedo) };
                 let material = Bsdf::from(Lobe::Lambert(lobe)).into();
                 for worth in [0.0, 1e-30, 0.5, 1.0, 7.0, f32::INFINITY] {
                     for (depth, delta) in [1, 3, 4, 127, 128, u32::MAX].map(|d| (d, d % 2 == 0)) {
                         let worth = Spectrum::splat(worth);
-                        let survival = path.survival(depth, worth, &material, delta);
+                        let survival = survival(roulette, depth, worth, &material, delta);
                         assert!((0.0..=1.0).contains(&survival), "{roulette:?} {survival}");
                     }
                 }

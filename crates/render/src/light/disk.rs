@@ -1,6 +1,6 @@
 //! A glowing disk or ellipse, sampled uniformly over its area.
 
-use super::sample::{EmitterSample, Glow, area_to_solid_angle};
+use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
 use rutilant_geom::{Disk, Vec2, Vec3};
@@ -29,11 +29,20 @@ impl DiskEmitter {
         &self.glow
     }
 
-    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+    pub(super) fn area(&self) -> f32 {
+        self.area
+    }
+
+    pub(super) fn point(&self, u: Vec2) -> LampPoint {
         let at = warp::concentric_disk(u).as_dvec2();
         let Disk { center, u, v } = self.disk;
         let point = center.as_dvec3() + u.as_dvec3() * at.x + v.as_dvec3() * at.y;
-        self.glow.sample_at(from, point.as_vec3(), self.normal, self.area)
+        LampPoint { position: point.as_vec3(), normal: self.normal }
+    }
+
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+        let LampPoint { position, normal } = self.point(u);
+        self.glow.sample_at(from, position, normal, self.area)
     }
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {

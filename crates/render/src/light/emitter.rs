@@ -4,7 +4,7 @@ use super::disk::DiskEmitter;
 use super::distant::DistantEmitter;
 use super::environment::EnvironmentEmitter;
 use super::point::PointEmitter;
-use super::sample::{EmitterSample, Glow};
+use super::sample::{EmitterSample, Glow, LampPoint};
 use super::sphere::SphereEmitter;
 use super::spot::SpotEmitter;
 use super::triangle::{FlatEmitter, ParallelogramEmitter, TriangleEmitter};
@@ -61,6 +61,36 @@ impl Emitter {
             Self::Disk(e) => e.pdf(from, wi, position, normal),
             Self::Sphere(e) => e.pdf(from, wi, position, normal),
             Self::Environment(e) => e.pdf(wi),
+        }
+    }
+
+    /// Draws a point of a lamp of known area, for `u` in [0, 1)²; `None` for all other lights.
+    pub(crate) fn point(&self, u: Vec2) -> Option<LampPoint> {
+        match self {
+            Self::Triangle(e) => Some(e.flat().point(u)),
+            Self::Parallelogram(e) => Some(e.flat().point(u)),
+            Self::Disk(e) => Some(e.point(u)),
+            Self::Sphere(e) => Some(e.point(u)),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Distant(_)
+            | Self::Environment(_)
+            | Self::Custom(_) => None,
+        }
+    }
+
+    /// The area of a lamp in m²; 0 where it has none, or none that is known.
+    pub(crate) fn area(&self) -> f32 {
+        match self {
+            Self::Triangle(e) => e.flat().area(),
+            Self::Parallelogram(e) => e.flat().area(),
+            Self::Disk(e) => e.area(),
+            Self::Sphere(e) => e.area(),
+            Self::Point(_)
+            | Self::Spot(_)
+            | Self::Distant(_)
+            | Self::Environment(_)
+            | Self::Custom(_) => 0.0,
         }
     }
 

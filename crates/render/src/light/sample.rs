@@ -30,6 +30,14 @@ impl EmitterSample {
     }
 }
 
+/// A point of a glowing surface, drawn evenly over its area.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LampPoint {
+    pub(crate) position: Vec3,
+    /// The unit normal there, on its front.
+    pub(crate) normal: Vec3,
+}
+
 /// The light of a glowing surface: the same at every point and in every direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glow {

@@ -42,6 +42,15 @@ impl EmitterSelection {
         Self::among(kind, emitters, scene_radius, |e| !e.is_even_sky())
     }
 
+    /// Chooses among some lights within the scene, by number, in proportion to their power.
+    pub(crate) fn of(emitters: &[Emitter], chosen: impl Fn(usize) -> bool) -> Self {
+        let power = |(i, e): (usize, &Emitter)| {
+            if chosen(i) { f64::from(e.power(1.0).luminance()) } else { 0.0 }
+        };
+        let weights: Vec<f64> = emitters.iter().enumerate().map(power).collect();
+        Distribution1d::new(weights.into_iter()).map_or(Self::None, Self::Weighted)
+    }
+
     fn among(
         kind: LightSelection,
         emitters: &[Emitter],

@@ -7,7 +7,7 @@
 //! Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 //! section 6.2.4.
 
-use super::sample::{EmitterSample, Glow, area_to_solid_angle};
+use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
 use rutilant_geom::{Frame, Sphere, Vec2, Vec3, offset_end, real};
@@ -23,8 +23,13 @@ pub struct SphereEmitter {
 }
 
 impl SphereEmitter {
-    fn area(&self) -> f32 {
+    pub(super) fn area(&self) -> f32 {
         4.0 * PI * self.sphere.radius * self.sphere.radius
+    }
+
+    pub(super) fn point(&self, u: Vec2) -> LampPoint {
+        let normal = warp::uniform_sphere(u);
+        LampPoint { position: self.surface_point(normal), normal }
     }
 
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {

@@ -3,7 +3,7 @@
 //! Points are combined in double precision and rounded once, so that they lie
 //! as close to the surface as a hit does.
 
-use super::sample::{EmitterSample, Glow, area_to_solid_angle};
+use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::lanes::mask;
 use crate::math::warp;
@@ -116,6 +116,15 @@ impl FlatEmitter {
         glow: Glow { radiance: Spectrum::BLACK, two_sided: false },
         is_triangle: false,
     };
+
+    pub(super) fn area(&self) -> f32 {
+        self.area
+    }
+
+    pub(super) fn point(&self, u: Vec2) -> LampPoint {
+        let at = if self.is_triangle { warp::uniform_triangle(u) } else { u };
+        LampPoint { position: combine(self.corners, at), normal: self.normal }
+    }
 
     /// Draws ways to these lights from eight points.
     #[inline(always)]

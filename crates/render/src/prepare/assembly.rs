@@ -120,8 +120,10 @@ impl Assembly {
             some_pass: self.some_pass,
             has_borders,
             is_plain,
+            casting: None,
             report,
         };
+        prepared.casting = prepared.find_casting();
         prepared.camera_media = prepared.media_at(scene.camera.axis());
         if !prepared.camera_media.absorption.is_black() {
             prepared.report.notes.push(Place::Camera.note(

@@ -5,9 +5,11 @@
 //! materials become BSDFs, everything that shines becomes an emitter.
 
 mod assembly;
+mod casters;
 mod material;
 mod prepared;
 
+pub(crate) use casters::{Casting, Outlook};
 pub(crate) use material::PreparedMaterial;
 pub use prepared::{PrepareReport, Prepared};
 

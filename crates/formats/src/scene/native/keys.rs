@@ -21,6 +21,7 @@ pub(super) const RENDER: &[&str] = &[
     "heuristic",
     "roulette",
     "light_selection",
+    "caustics",
     "exposure",
     "curve",
 ];

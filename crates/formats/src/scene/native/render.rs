@@ -84,6 +84,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError>
             |v| v.one_of("light selection", LIGHT_SELECTIONS),
             usual.light_selection,
         )?,
+        caustics: table.or("caustics", Value::flag, usual.caustics)?,
     };
     let display = Display {
         exposure: table.or("exposure", Value::number, 0.0)?,

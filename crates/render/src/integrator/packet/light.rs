@@ -31,7 +31,7 @@ struct Ways<S: Simd> {
     end: Xyz8<S>,
 }
 
-impl Path {
+impl Path<'_> {
     /// Adds to `radiance` what arrives at each of the surfaces from one light.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]

@@ -1,11 +1,15 @@
 //! The surfaces that eight paths met.
 
-use crate::bsdf::Scattering;
+use super::paths::PathPacket;
+use crate::bsdf::{BsdfSamples, Scattering};
 use crate::color::Spectrum;
+use crate::integrator::Caustics;
 use crate::integrator::emission::SeenEmission;
 use crate::interaction::SurfaceInteraction;
+use crate::lanes::bits;
 use crate::medium::{Border, Media};
 use crate::prepare::{Prepared, PreparedMaterial};
+use crate::sampler::Sampler;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
 use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
@@ -37,6 +41,8 @@ pub(super) struct MetPacket<'p> {
     pub(super) eta: [f32; LANES],
     /// Paths that left the scene.
     pub(super) sky: u32,
+    /// Surfaces that look smoother than they are.
+    smoothed: u32,
     /// Surfaces that are lights.
     pub(super) glows: u32,
     pub(super) black: u32,
@@ -68,6 +74,7 @@ impl<'p> MetPacket<'p> {
             albedo: [[0.0; LANES]; 3],
             eta: [1.0; LANES],
             sky: 0,
+            smoothed: 0,
             glows: 0,
             black: 0,
             lambert: 0,
@@ -88,6 +95,7 @@ impl<'p> MetPacket<'p> {
             if surface.smoothed
                 && let Some(hit) = hits.hit(lane)
             {
+                met.smoothed |= bit;
                 met.smooth(lane, &scene.interaction(&hit, at(&rays.direction, lane)));
             }
             met.emitters[lane] = surface.emitter;
@@ -209,6 +217,44 @@ impl<'p> MetPacket<'p> {
     pub(super) fn cross(&self, lane: usize, from_front: bool, media: &mut Media) {
         if let Some(border) = self.border(lane) {
             media.pass_declared(border, from_front);
+        }
+    }
+
+    /// Notes how paths that go on as `sample` says can be found by light paths: see
+    /// [`Caustics::lead`].
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
+    pub(super) fn lead<S: Simd, N: Sampler>(
+        &self,
+        scene: &Prepared,
+        caustics: &Caustics<'_>,
+        paths: &mut PathPacket<N>,
+        surface: &Surface<S>,
+        sample: &BsdfSamples<S>,
+        which: u32,
+        depth: u32,
+    ) {
+        let delta = bits(sample.delta);
+        if depth == 1 {
+            for lane in each_lane(which & !delta & !self.smoothed) {
+                let (normal, wo) = (surface.normal.lane(lane), surface.wo.lane(lane));
+                let wi = at(&paths.rays.direction, lane);
+                let distance = self.distance[lane];
+                paths.lead[lane] = caustics.lead_at(normal, wo, distance, wi, sample.pdf[lane]);
+            }
+            return;
+        }
+        let led =
+            paths.lead.iter().enumerate().fold(0, |all, (i, l)| all | u32::from(*l > 0.0) << i);
+        for lane in each_lane(which & led & !delta) {
+            paths.lead[lane] = 0.0;
+        }
+        for lane in each_lane(which & led & delta & self.smoothed) {
+            let came = surface.wo.negated().lane(lane);
+            let squeeze = self.hits.hit(lane).and_then(|hit| {
+                scene.interaction(&hit, came).squeeze(at(&paths.rays.direction, lane))
+            });
+            paths.lead[lane] *= squeeze.unwrap_or(0.0);
         }
     }
 }

@@ -37,7 +37,7 @@ use paths::{PathPacket, Paths, add};
 use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
 use rutilant_geom::offset_origins;
 
-impl Path {
+impl Path<'_> {
     /// The radiance that each start brings, eight for each packet, in their order.
     #[inline(always)]
     pub(super) fn trace_all<S: Simd, N: Sampler>(
@@ -99,8 +99,8 @@ impl Path {
                 met.emission(scene, lane, -direction)
             };
             if let Some(seen) = seen {
-                let previous = paths.previous(lane);
-                let seen = self.weighted(scene, &seen, direction, previous.as_ref(), &mut ());
+                let (previous, lead) = (paths.previous(lane), paths.lead(lane));
+                let seen = self.weighted(scene, &seen, direction, previous.as_ref(), lead, &mut ());
                 let through = Spectrum::from(throughput.lane(lane).to_array());
                 add(radiance, paths.slot[lane], through * seen);
             }
@@ -135,6 +135,10 @@ impl Path {
         paths.rays.t_max = [f32::INFINITY; LANES];
         let unfindable = f32x8::splat(simd, PathPacket::<N>::UNFINDABLE);
         paths.pdf = sample.delta.select(unfindable, sample.pdf).into();
+        if let Some(caustics) = &self.caustics {
+            let valid = bits(sample.valid) & alive;
+            met.lead(scene, caustics, paths, &surface, &sample, valid, depth);
+        }
         let mut gain: f32x8<S> = paths.density_gain.simd_into(simd);
         for lane in each_lane(bits(crossed)) {
             if let Some(media) = media.get_mut(paths.slot[lane] as usize) {

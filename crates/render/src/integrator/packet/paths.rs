@@ -26,6 +26,8 @@ pub(super) struct PathPacket<N> {
     pub(super) pdf: [f32; LANES],
     /// Radiance is larger inside a dense medium by this factor; it will be lost on leaving.
     pub(super) density_gain: [f32; LANES],
+    /// As in `Caustics::lead`, times what made light paths denser since; 0 where they do not look.
+    pub(super) lead: [f32; LANES],
     /// The number of the path's start.
     pub(super) slot: [u32; LANES],
     pub(super) samplers: [N; LANES],
@@ -46,6 +48,7 @@ impl<N: Sampler> PathPacket<N> {
             throughput: [[1.0; LANES]; 3],
             pdf: [Self::UNFINDABLE; LANES],
             density_gain: [1.0; LANES],
+            lead: [0.0; LANES],
             slot,
             samplers: starts.samplers,
         }
@@ -59,6 +62,12 @@ impl<N: Sampler> PathPacket<N> {
         (pdf != Self::UNFINDABLE).then_some(Previous { position, pdf })
     }
 
+    /// What light paths, per unit of their density at a lamp, are denser here.
+    #[inline(always)]
+    pub(super) fn lead(&self, lane: usize) -> f32 {
+        self.lead[lane] / self.density_gain[lane]
+    }
+
     fn take(&mut self, lane: usize, other: &Self, from: usize) {
         for axis in 0..3 {
             self.rays.origin[axis][lane] = other.rays.origin[axis][from];
@@ -70,6 +79,7 @@ impl<N: Sampler> PathPacket<N> {
         self.rays.leaves[lane] = other.rays.leaves[from];
         self.pdf[lane] = other.pdf[from];
         self.density_gain[lane] = other.density_gain[from];
+        self.lead[lane] = other.lead[from];
         self.slot[lane] = other.slot[from];
         self.samplers[lane] = other.samplers[from];
     }

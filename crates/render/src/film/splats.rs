@@ -1,0 +1,169 @@
+//! Light that finds its pixels, instead of being found by them.
+//!
+//! Light paths come down on pixels in any order, from any thread. For the
+//! picture not to depend on that, what they bring is counted in whole numbers:
+//! their sums have no order. Numbers are rounded at random, so that the mean
+//! stays what it is.
+
+use super::crop::Crop;
+use crate::color::Spectrum;
+use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
+
+/// So many parts make what the brightest light gives in one sample: 2⁻³⁶ of that is lost in
+/// rounding, and a pixel has room for 2²⁷ samples of it.
+const PARTS: f64 = (1_u64 << 36) as f64;
+
+/// What one light path brings to one pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Splat {
+    /// Column and row on the whole picture.
+    pub(crate) pixel: [u32; 2],
+    /// What it counts for the pixel, if there is one light path for each pixel of the picture.
+    pub(crate) value: Spectrum,
+    /// A number in [0, 1) that decides how it is rounded.
+    pub(crate) rounding: f32,
+}
+
+/// The sums of all pixels of a window.
+#[derive(Debug)]
+pub(crate) struct Splats {
+    window: Crop,
+    /// Pixels of the whole picture.
+    pixels: u64,
+    /// A value as a number of parts.
+    parts: f64,
+    /// Light paths that were traced.
+    paths: AtomicU64,
+    /// How many samples each block of light paths has come to.
+    blocks: Vec<AtomicU64>,
+    /// (height, width).
+    sums: Vec<Sums>,
+}
+
+/// The sums of one pixel, in parts and in squares of them.
+#[derive(Debug, Default)]
+struct Sums {
+    values: [AtomicI64; 3],
+    squares: [AtomicU64; 3],
+}
+
+/// Mean and variance that light paths add to those of a pixel.
+pub(super) struct Added {
+    pub(super) mean: [f64; 3],
+    pub(super) variance: [f64; 3],
+}
+
+impl Splats {
+    /// None yet, for the `window` of a picture of `size` pixels, from lights of no more radiance
+    /// than `brightest`. Light paths are traced in so many `blocks`.
+    pub(crate) fn new(window: Crop, size: [u32; 2], brightest: f32, blocks: usize) -> Self {
+        let pixels = window.width as usize * window.height as usize;
+        Self {
+            window,
+            pixels: size.into_iter().map(u64::from).product(),
+            parts: PARTS / f64::from(brightest),
+            paths: AtomicU64::new(0),
+            blocks: std::iter::repeat_with(AtomicU64::default).take(blocks).collect(),
+            sums: std::iter::repeat_with(Sums::default).take(pixels).collect(),
+        }
+    }
+
+    /// How many blocks of light paths there are.
+    pub(crate) fn block_count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// The first sample that a block still lacks.
+    pub(crate) fn next_sample(&self, block: usize) -> u64 {
+        self.blocks[block].load(Ordering::Relaxed)
+    }
+
+    /// Whether a pixel lies in the window.
+    pub(crate) fn shows(&self, [x, y]: [i64; 2]) -> Option<[u32; 2]> {
+        let Crop { x: left, y: top, width, height } = self.window;
+        let inside = |at: i64, first: u32, count: u32| {
+            let within = at - i64::from(first);
+            (0..i64::from(count)).contains(&within).then_some(at as u32)
+        };
+        Some([inside(x, left, width)?, inside(y, top, height)?])
+    }
+
+    /// Adds what `paths` light paths of a block have brought, all of it finite and in the window;
+    /// the block has come to `sample` now.
+    pub(crate) fn add(&self, block: usize, sample: u64, paths: u64, splats: &[Splat]) {
+        for Splat { pixel: [x, y], value, rounding } in splats {
+            let (x, y) = ((x - self.window.x) as usize, (y - self.window.y) as usize);
+            let sums = &self.sums[y * self.window.width as usize + x];
+            let rounding = f64::from(*rounding);
+            for ((sum, square), v) in sums.values.iter().zip(&sums.squares).zip(value.channels()) {
+                let parts = f64::from(v) * self.parts;
+                sum.fetch_add((parts + rounding).floor() as i64, Ordering::Relaxed);
+                let squared = parts * (parts / PARTS);
+                square.fetch_add((squared + rounding).floor() as u64, Ordering::Relaxed);
+            }
+        }
+        self.paths.fetch_add(paths, Ordering::Relaxed);
+        self.blocks[block].store(sample, Ordering::Relaxed);
+    }
+
+    /// Samples that all blocks have.
+    pub(super) fn samples(&self) -> u64 {
+        self.blocks.iter().map(|b| b.load(Ordering::Relaxed)).min().unwrap_or(u64::MAX)
+    }
+
+    /// What the light paths so far add to the pixel at this place in the window.
+    pub(super) fn added(&self, index: usize) -> Added {
+        let paths = self.paths.load(Ordering::Relaxed).max(1) as f64;
+        let Sums { values, squares } = &self.sums[index];
+        let per_path = self.pixels as f64 / self.parts;
+        let sum = |c: usize| values[c].load(Ordering::Relaxed) as f64 * per_path;
+        Added {
+            mean: std::array::from_fn(|c| sum(c) / paths),
+            variance: std::array::from_fn(|c| {
+                let squares = squares[c].load(Ordering::Relaxed) as f64 * PARTS;
+                let spread = squares * per_path * per_path - sum(c) * sum(c) / paths;
+                spread.max(0.0) / (paths * (paths - 1.0).max(1.0))
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the order, the sums are the same; their mean and variance are those of the values,
+    /// of bright ones and of such as are lost a thousand times in rounding.
+    #[test]
+    fn sums_have_no_order() {
+        let window = Crop { x: 2, y: 1, width: 2, height: 2 };
+        let splats: Vec<Splat> = (0..4096_u32)
+            .map(|i| Splat {
+                pixel: [3, 1 + i % 2],
+                value: Spectrum::from([1.0, 1e-4 * (i / 2 % 4) as f32, 1e-12]),
+                rounding: (i.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32,
+            })
+            .collect();
+        let all = |order: &mut dyn Iterator<Item = Splat>| {
+            let sums = Splats::new(window, [10, 10], 1.0, 1);
+            let splats: Vec<Splat> = order.collect();
+            splats.chunks(100).for_each(|some| sums.add(0, 1, some.len() as u64, some));
+            sums
+        };
+        let forth = all(&mut splats.iter().copied());
+        let back = all(&mut splats.iter().rev().copied());
+        let numbers = |s: &Splats| {
+            (0..4).flat_map(|i| [s.added(i).mean, s.added(i).variance]).collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(&forth), numbers(&back));
+
+        // Half of 4096 paths on each pixel, each worth the 100 pixels of the picture.
+        let Added { mean, variance } = forth.added(1);
+        assert_eq!(mean[0], 50.0);
+        assert!((mean[1] / (50.0 * 1.5e-4) - 1.0).abs() < 1e-6, "{mean:?}");
+        assert!((mean[2] / (50.0 * 1e-12) - 1.0).abs() < 0.1, "{mean:?}");
+        let expected = (100.0 * 100.0 * 0.5 - 50.0 * 50.0) / 4095.0;
+        assert!((variance[0] / expected - 1.0).abs() < 1e-9, "{variance:?}");
+        assert_eq!(forth.added(0).mean, [0.0; 3]);
+    }
+}

@@ -1,0 +1,306 @@
+//! Caustics: light of lamps that glass and mirrors throw on other surfaces.
+//!
+//! A path from the camera finds it only when it happens to leave a matte surface in just the
+//! direction that leads through the glass to the lamp. A light path finds it with ease: it starts
+//! at a lamp, is aimed at what throws light, follows that while it is sent on in single
+//! directions, and looks from where it comes down on anything else whether the camera sees it.
+//!
+//! Both ways are weighted against each other by the balance heuristic. Along a chain of clear
+//! surfaces n² dA cos θ dω stays what it is, so the densities of both compare where the chain ends,
+//! without a word about what happened on it: both choose alike between reflection and refraction.
+//!
+//! Not for what the camera sees through glass, nor for what comes by way of rough surfaces: that is
+//! left to paths from the camera, as is all light in scenes where `Prepared::casting` is none.
+//!
+//! Source: Arvo, "Backward Ray Tracing", SIGGRAPH 1986 course notes; Veach 1997, sections 5.2,
+//! 5.3 and 10.2.
+
+use super::dimension::{Bounce, light_path};
+use super::path::survival;
+use crate::camera::PreparedCamera;
+use crate::color::Spectrum;
+use crate::film::{FilterSampler, Splat, Splats};
+use crate::follow::transmittance;
+use crate::interaction::SurfaceInteraction;
+use crate::light::Glow;
+use crate::medium::Media;
+use crate::prepare::{Casting, Outlook, Prepared, PreparedMaterial};
+use crate::sampler::Sampler;
+use crate::settings::Roulette;
+use rutilant_geom::lanes::LANES;
+use rutilant_geom::{Hit, Ray, RayPacket, Vec2, Vec3, offset_origin};
+
+/// How light paths and paths from the camera share caustics.
+#[derive(Clone, Copy)]
+pub(crate) struct Caustics<'a> {
+    scene: &'a Prepared,
+    camera: &'a PreparedCamera,
+    casting: &'a Casting,
+    filter: &'a FilterSampler,
+    /// Of the whole picture.
+    pixels: f32,
+    /// The longest path in segments.
+    max_depth: u32,
+    roulette: Roulette,
+}
+
+/// A light path on its way.
+struct LightPath<S> {
+    ray: Ray,
+    /// Light sent along it over the density with which it was chosen, per projected area and solid
+    /// angle.
+    weight: Spectrum,
+    /// That density, as it is here.
+    density: f32,
+    /// The part of its light that is left.
+    left: Spectrum,
+    /// Segments so far.
+    depth: u32,
+    media: Media,
+    sampler: S,
+}
+
+const EVERY_LOG2: u32 = match option_env!("KLOG") { Some(s) => (s.as_bytes()[0] - 48) as u32, None => 4 };
+
+/// What would come to the camera if nothing were in its way.
+struct Arrival {
+    shadow_ray: Ray,
+    splat: Splat,
+}
+
+impl<'a> Caustics<'a> {
+    /// There is a light path for so many paths from the camera: more would find little more, and
+    /// take longer.
+    pub(crate) const EVERY: u64 = 1 << EVERY_LOG2;
+
+    /// `None` where there are none that light paths could find.
+    pub(crate) fn new(
+        scene: &'a Prepared,
+        camera: &'a PreparedCamera,
+        filter: &'a FilterSampler,
+        size: [u32; 2],
+        max_depth: u32,
+        roulette: Roulette,
+    ) -> Option<Self> {
+        let casting = scene.casting()?;
+        let pixels = size.into_iter().map(|side| side as f32).product();
+        Some(Self { scene, camera, casting, filter, pixels, max_depth, roulette })
+    }
+
+    /// What makes a light path denser, per projected area and solid angle, than a path from the
+    /// camera that sees a surface of this `normal` at `distance` along `seen` and leaves it along
+    /// `wi` with density `pdf`: what is left is the density of the light path. 0 where light paths
+    /// do not look.
+    pub(super) fn lead(&self, at: &SurfaceInteraction, distance: f32, wi: Vec3, pdf: f32) -> f32 {
+        if !at.is_flat() {
+            return 0.0;
+        }
+        self.lead_at(at.normal, at.wo, distance, wi, pdf)
+    }
+
+    /// The same of a surface whose normal is what it looks like.
+    #[inline]
+    pub(super) fn lead_at(&self, normal: Vec3, wo: Vec3, distance: f32, wi: Vec3, pdf: f32) -> f32 {
+        let seen = self.camera.pixels_per_area(-wo, distance) * normal.dot(wo).abs() * pdf;
+        self.pixels / Self::EVERY as f32 * normal.dot(wi).abs() / seen
+    }
+
+    /// The share of a path from the camera in light that it found by a chain of clear surfaces, at
+    /// a point of lamp `emitter`, along `direction`. `lead` is what the chain began with, times
+    /// what made light paths denser on it.
+    pub(super) fn share(
+        &self,
+        lead: f32,
+        emitter: usize,
+        position: Vec3,
+        normal: Vec3,
+        direction: Vec3,
+    ) -> f32 {
+        let Some(glow) = self.scene.emitters()[emitter].glow() else { return 1.0 };
+        let from = Outlook { position, normal, two_sided: glow.two_sided };
+        let density = self.density(emitter, &from, -direction);
+        if density > 0.0 { 1.0 / (1.0 + lead * density) } else { 1.0 }
+    }
+
+    /// The density of light paths, per projected area and solid angle, where they leave a lamp.
+    fn density(&self, emitter: usize, from: &Outlook, direction: Vec3) -> f32 {
+        let pmf = self.casting.lamps().pmf(from.position, emitter);
+        if pmf == 0.0 {
+            return 0.0;
+        }
+        let pdf_area = pmf / self.scene.emitters()[emitter].area();
+        pdf_area * self.casting.casters().pdf(from, direction) / from.normal.dot(direction).abs()
+    }
+
+    /// Traces light paths with these random numbers, and gives what they bring to the pixels that `splats`
+    /// shows. Counts the rays it traces.
+    pub(crate) fn trace<S: Sampler>(
+        &self,
+        samplers: impl Iterator<Item = S>,
+        shown: &Splats,
+        splats: &mut Vec<Splat>,
+        rays: &mut u64,
+    ) {
+        let mut paths: Vec<LightPath<S>> =
+            samplers.filter_map(|sampler| self.start(sampler)).collect();
+        let mut arrivals = Vec::new();
+        while !paths.is_empty() {
+            let mut packets = Vec::with_capacity(paths.len().div_ceil(LANES));
+            for some in paths.chunks(LANES) {
+                let mut packet = RayPacket::NONE;
+                for (lane, path) in some.iter().enumerate() {
+                    packet.set(lane, &path.ray);
+                }
+                *rays += some.len() as u64;
+                packets.push(self.scene.surfaces().closest_packet(&packet));
+            }
+            let mut place = 0;
+            paths.retain_mut(|path| {
+                let hit = packets[place / LANES].hit(place % LANES);
+                place += 1;
+                hit.is_some_and(|hit| self.advance(path, &hit, shown, &mut arrivals))
+            });
+            for some in arrivals.chunks(LANES) {
+                let mut packet = RayPacket::NONE;
+                for (lane, arrival) in some.iter().enumerate() {
+                    packet.set(lane, &arrival.shadow_ray);
+                }
+                *rays += some.len() as u64;
+                let blocked = self.scene.surfaces().occluded_packet(&packet);
+                let free = some.iter().enumerate().filter(|(lane, _)| blocked >> lane & 1 == 0);
+                splats.extend(free.map(|(_, arrival)| arrival.splat));
+            }
+            arrivals.clear();
+        }
+    }
+
+    /// Sends a path from a lamp towards something that throws its light on.
+    fn start<S: Sampler>(&self, sampler: S) -> Option<LightPath<S>> {
+        let (lamp, _) = self.casting.lamps().select(Vec3::ZERO, sampler.d1(light_path::LAMP))?;
+        let emitter = &self.scene.emitters()[lamp];
+        let Glow { radiance, two_sided } = *emitter.glow()?;
+        let point = emitter.point(sampler.d2(light_path::POINT))?;
+        let from = Outlook { position: point.position, normal: point.normal, two_sided };
+        let choice = sampler.d1(light_path::CASTER);
+        let direction = sampler.d2(light_path::DIRECTION);
+        let direction = self.casting.casters().sample(&from, choice, direction)?;
+        if !two_sided && from.normal.dot(direction) <= 0.0 {
+            return None;
+        }
+        let density = self.density(lamp, &from, direction);
+        (density > 0.0 && density.is_finite()).then(|| LightPath {
+            ray: Ray::new(offset_origin(from.position, from.normal, direction), direction),
+            weight: radiance / density,
+            density,
+            left: Spectrum::WHITE,
+            depth: 0,
+            media: self.casting.media(lamp as u32),
+            sampler,
+        })
+    }
+
+    /// Takes a path to where it `hit` something, notes what arrives at the camera from there, and
+    /// sends it on. False when it ends.
+    fn advance<S: Sampler>(
+        &self,
+        path: &mut LightPath<S>,
+        hit: &Hit,
+        shown: &Splats,
+        arrivals: &mut Vec<Arrival>,
+    ) -> bool {
+        let at = self.scene.interaction(hit, path.ray.direction);
+        let material = self.scene.material(&at);
+        let (wo, from_front) = (at.wo_local(), at.wo_local().z > 0.0);
+        path.depth += 1;
+        if let Some(border) = &material.border {
+            path.media.arrive_declared(border, from_front);
+        }
+        path.left *= transmittance(path.media.absorption, hit.t);
+
+        // What was thrown here may be seen by the camera.
+        let thrown = path.depth > 1 && path.depth < self.max_depth;
+        if thrown && at.is_flat() && !material.bsdf.is_delta() {
+            arrivals.extend(self.arrival(path, &at, hit, material, shown));
+        }
+
+        // On in a single direction, or not at all.
+        if path.depth + 2 > self.max_depth || !material.bsdf.has_delta() {
+            return false;
+        }
+        let bounce = Bounce::of_light(path.depth);
+        let Some(sample) = bounce.scatter(&material.bsdf, wo, &path.sampler).filter(|s| s.delta)
+        else {
+            return false;
+        };
+        let crossed = sample.is_transmission(wo);
+        let ray = at.scattered_ray(&material.bsdf, &sample, crossed);
+        let Some(squeeze) = at.squeeze(ray.direction) else { return false };
+        if crossed {
+            if let Some(border) = &material.border {
+                path.media.pass_declared(border, from_front);
+            }
+        }
+        // Light is not radiance: what enters a denser medium is no more than it was, but denser.
+        let squared = sample.eta * sample.eta;
+        path.left *= sample.weight * squared;
+        path.weight *= squeeze;
+        path.density *= squared / squeeze;
+        path.ray = ray;
+
+        // End dim paths by roulette; the survivors stand in for the ended.
+        let survival = survival(self.roulette, path.depth, path.left, material, true);
+        if survival < 1.0 {
+            if path.sampler.d1(bounce.roulette()) >= survival {
+                return false;
+            }
+            path.left *= 1.0 / survival;
+        }
+        true
+    }
+
+    /// What the camera sees of a path that has come down on a surface.
+    fn arrival<S: Sampler>(
+        &self,
+        path: &LightPath<S>,
+        lit: &SurfaceInteraction,
+        hit: &Hit,
+        material: &PreparedMaterial,
+        shown: &Splats,
+    ) -> Option<Arrival> {
+        // Where on the film, and for which pixel.
+        let lens = if self.camera.has_lens() {
+            path.sampler.d2(light_path::LENS)
+        } else {
+            Vec2::ZERO
+        };
+        let seen = self.camera.seen(hit.position, lens)?;
+        let (pixel, filtered) =
+            self.filter.pixel_of(seen.film, path.sampler.d2(light_path::PIXEL))?;
+        let pixel = shown.shows(pixel)?;
+
+        // The surface as the camera sees it.
+        let way = hit.position - seen.eye;
+        let (direction, distance) = (way.try_normalize()?, way.length());
+        let at = self.scene.interaction(hit, direction);
+        let wi = at.shading.to_local(lit.wo);
+        let (scattered, pdf) = material.bsdf.eval_cos_pdf(at.wo_local(), wi);
+        let per_area = self.camera.pixels_per_area(direction, distance);
+        let sides = (at.normal.dot(at.wo) / at.normal.dot(lit.wo)).abs();
+        let lead = self.lead(&at, distance, lit.wo, pdf);
+        let share = 1.0 - 1.0 / (1.0 + lead * path.density);
+        let mut media = self.scene.camera_media();
+        if let Some(border) = &material.border {
+            media.arrive_declared(border, at.wo_local().z > 0.0);
+        }
+        let value = scattered
+            * path.weight
+            * path.left
+            * transmittance(media.absorption, distance)
+            * (share * filtered * sides * per_area / self.pixels);
+        let origin = at.surface_origin(false);
+        (!value.is_black()).then(|| Arrival {
+            shadow_ray: Ray::between(origin, seen.eye),
+            splat: Splat { pixel, value, rounding: path.sampler.d1(light_path::ROUNDING) },
+        })
+    }
+}
