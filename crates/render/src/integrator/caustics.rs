@@ -60,7 +60,10 @@ struct LightPath<S> {
     sampler: S,
 }
 
-const EVERY_LOG2: u32 = match option_env!("KLOG") { Some(s) => (s.as_bytes()[0] - 48) as u32, None => 4 };
+const EVERY_LOG2: u32 = match option_env!("KLOG") {
+    Some(s) => (s.as_bytes()[0] - 48) as u32,
+    None => 4,
+};
 
 /// What would come to the camera if nothing were in its way.
 struct Arrival {
@@ -141,24 +144,26 @@ impl<'a> Caustics<'a> {
         splats: &mut Vec<Splat>,
         rays: &mut u64,
     ) {
-        let mut paths: Vec<LightPath<S>> =
-            samplers.filter_map(|sampler| self.start(sampler)).collect();
+        let starts = samplers.filter_map(|sampler| self.start(sampler));
+        let mut paths: Vec<LightPath<S>> = starts.collect();
+        // Those on their way, by number; they are too large to be moved about.
+        let mut alive: Vec<usize> = (0..paths.len()).collect();
         let mut arrivals = Vec::new();
-        while !paths.is_empty() {
-            let mut packets = Vec::with_capacity(paths.len().div_ceil(LANES));
-            for some in paths.chunks(LANES) {
+        while !alive.is_empty() {
+            let mut packets = Vec::with_capacity(alive.len().div_ceil(LANES));
+            for some in alive.chunks(LANES) {
                 let mut packet = RayPacket::NONE;
-                for (lane, path) in some.iter().enumerate() {
-                    packet.set(lane, &path.ray);
+                for (lane, &path) in some.iter().enumerate() {
+                    packet.set(lane, &paths[path].ray);
                 }
                 *rays += some.len() as u64;
                 packets.push(self.scene.surfaces().closest_packet(&packet));
             }
             let mut place = 0;
-            paths.retain_mut(|path| {
+            alive.retain(|&path| {
                 let hit = packets[place / LANES].hit(place % LANES);
                 place += 1;
-                hit.is_some_and(|hit| self.advance(path, &hit, shown, &mut arrivals))
+                hit.is_some_and(|hit| self.advance(&mut paths[path], &hit, shown, &mut arrivals))
             });
             for some in arrivals.chunks(LANES) {
                 let mut packet = RayPacket::NONE;
@@ -268,11 +273,8 @@ impl<'a> Caustics<'a> {
         shown: &Splats,
     ) -> Option<Arrival> {
         // Where on the film, and for which pixel.
-        let lens = if self.camera.has_lens() {
-            path.sampler.d2(light_path::LENS)
-        } else {
-            Vec2::ZERO
-        };
+        let lens =
+            if self.camera.has_lens() { path.sampler.d2(light_path::LENS) } else { Vec2::ZERO };
         let seen = self.camera.seen(hit.position, lens)?;
         let (pixel, filtered) =
             self.filter.pixel_of(seen.film, path.sampler.d2(light_path::PIXEL))?;
