@@ -43,7 +43,8 @@ pub fn ways(spp: u64) -> Vec<Way> {
         ),
         ("lights uniformly", Settings { light_selection: LightSelection::Uniform, ..base.clone() }),
         ("sobol", Settings { sampler: SamplerKind::Sobol, ..base.clone() }),
-        ("both, optimal", Settings { heuristic: Heuristic::Optimal, ..base }),
+        ("both, optimal", Settings { heuristic: Heuristic::Optimal, ..base.clone() }),
+        ("no light paths", Settings { caustics: false, ..base }),
     ];
     let named = |((name, settings), seed)| Way { name, settings: Settings { seed, ..settings } };
     all.into_iter().zip(1..).map(named).collect()

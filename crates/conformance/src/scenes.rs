@@ -3,7 +3,7 @@
 //! Lamps are large and near what they light, so that scattered rays find them often enough for
 //! the mean of some thousand samples to be normally distributed: what the z-test assumes.
 
-use rutilant::camera::Perspective;
+use rutilant::camera::{Camera, Equirectangular, Orthographic, Perspective};
 use rutilant::color::Rgb;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
@@ -46,6 +46,9 @@ pub fn all() -> Vec<Named> {
         named("rough metals and clay", rough_metals()),
         named("frosted glass", frosted_glass()),
         named("panes and flames", panes_and_flames()),
+        named("caustics on a plan", caustics_on_a_plan()),
+        named("caustics all around", caustics_all_around()),
+        named("caustics under water", caustics_under_water()),
     ]
 }
 
@@ -479,5 +482,84 @@ fn panes_and_flames() -> Scene {
     put(&mut s, ball(0.3), white, at(1.4, 0.3, -0.8));
     put(&mut s, rectangle(3.0, 1.0), light, at(0.0, 0.7, -1.0));
     put(&mut s, Shape::Box { size: Vec3::splat(20.0) }, nothing, Transform::IDENTITY);
+    s
+}
+
+/// A glass ball, a mirror and a tinted pane throw the light of a lamp that shines to both sides,
+/// and of one of many triangles, on a floor that mirrors in part, seen without perspective through
+/// a lens of five blades.
+fn caustics_on_a_plan() -> Scene {
+    let (eye, target) = (Vec3::new(0.5, 4.0, 3.0), Vec3::new(0.0, 0.3, 0.0));
+    let mut camera = Orthographic::look_at(eye, target, 4.0).expect("two different points");
+    (camera.lens.aperture_radius, camera.lens.blades, camera.lens.focus_distance) = (0.3, 5, 4.0);
+    let mut s = Scene::new(Camera::from(camera));
+    s.environment = Some(Environment::constant(Rgb::new(0.3, 0.4, 0.5)));
+    let grey = matte(&mut s, 0.8, 0.7, 0.6);
+    let mirror = s.add_material(Mirror { reflectance: Rgb::new(0.9, 0.8, 0.7) });
+    let polished = s.add_material(Mix { first: grey, second: mirror, amount: 0.3 });
+    let glass = s.add_material(Dielectric::new(1.5));
+    let pane = s.add_material(ThinDielectric { ior: 1.5, color: Rgb::new(0.4, 0.9, 0.5) });
+    let both = Emission { two_sided: true, ..Emission::radiance(Rgb::new(2.0, 1.5, 1.0)) };
+    let both = s.add_material(Material::new(MaterialKind::Black).emitting(both));
+    let light = lamp(&mut s, 5.0);
+    let mesh = s.add_mesh(coarse_ball());
+    put(&mut s, rectangle(8.0, 8.0), polished, floor_at(0.0));
+    put(&mut s, ball(0.6), glass, at(-0.8, 0.7, 0.2));
+    put(&mut s, rectangle(1.4, 1.2), mirror, at(0.2, 0.7, -1.0));
+    put(&mut s, rectangle(1.2, 1.2), pane, at(1.0, 0.7, 0.6) * Transform::rotate(Vec3::Y, 1.2));
+    put(&mut s, rectangle(4.0, 3.0), both, at(-2.2, 1.5, 0.0) * Transform::rotate(Vec3::Y, 1.5));
+    put(&mut s, Shape::Mesh(mesh), light, at(2.0, 1.0, 0.8));
+    s
+}
+
+/// A room seen all around: a lamp in a ball of tinted glass, a lamp that shines on a smooth coarse
+/// ball of glass, and a frosted block for its light to come down on.
+fn caustics_all_around() -> Scene {
+    let camera = Equirectangular::look_at(Vec3::new(0.1, 1.2, 1.0), Vec3::new(0.0, 0.8, 0.0));
+    let mut s = Scene::new(Camera::from(camera.expect("two different points")));
+    let wall = matte(&mut s, 0.6, 0.6, 0.5);
+    let mut tinted = Dielectric::new(1.5);
+    tinted.interior.absorption = Absorption::Coefficient(Rgb::new(0.2, 0.9, 1.4));
+    let tinted = s.add_material(tinted);
+    let glass = s.add_material(Dielectric::new(1.5));
+    let frosted = s.add_material(Dielectric { roughness: 0.5, ..Dielectric::new(1.4) });
+    let light = lamp(&mut s, 4.0);
+    let mesh = s.add_mesh(coarse_ball());
+    put(&mut s, Shape::Box { size: Vec3::new(5.0, 3.0, 5.0) }, wall, at(0.0, 1.5, 0.0));
+    put(&mut s, ball(0.6), tinted, at(1.2, 0.9, -0.6));
+    put(&mut s, ball(0.4), light, at(1.2, 0.9, -0.6));
+    put(&mut s, Shape::Mesh(mesh), glass, at(-1.0, 1.1, -0.7));
+    put(&mut s, Shape::Box { size: Vec3::new(1.4, 0.4, 1.4) }, frosted, at(-1.0, 0.2, -0.7));
+    put(&mut s, Shape::Disk { radius: 1.0 }, light, at(-1.0, 2.9, -0.7) * ceiling_at(0.0));
+    s
+}
+
+/// All of it in coloured water: a lamp, a ball of glass, a bubble, and a camera that stretches what
+/// it sees.
+fn caustics_under_water() -> Scene {
+    let eye = Transform::look_at(Vec3::new(0.3, 0.6, 2.8), Vec3::ZERO, Vec3::Y);
+    let stretched = eye.expect("two different points") * Transform::scale(Vec3::new(1.3, 0.8, 1.1));
+    let mut camera = Perspective::look_at(Vec3::ZERO, Vec3::NEG_Z, 0.8).expect("two points");
+    camera.world_from_camera = stretched;
+    let mut s = Scene::new(camera);
+    s.environment = Some(Environment::constant(Rgb::new(0.9, 0.8, 0.6)));
+    let mut water = Dielectric::new(1.33);
+    water.interior.absorption = Absorption::Coefficient(Rgb::new(0.3, 0.1, 0.05));
+    let water = s.add_material(water);
+    let in_water = |ior: f32| {
+        let mut medium = Dielectric::new(ior);
+        medium.exterior.ior = 1.33;
+        medium
+    };
+    let mut glass = in_water(1.6);
+    glass.interior.absorption = Absorption::Coefficient(Rgb::new(0.1, 0.5, 0.4));
+    let (glass, bubble) = (s.add_material(glass), s.add_material(in_water(1.0)));
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let light = lamp(&mut s, 5.0);
+    put(&mut s, Shape::Box { size: Vec3::new(8.0, 6.0, 8.0) }, water, Transform::IDENTITY);
+    put(&mut s, rectangle(6.0, 6.0), white, floor_at(-0.7));
+    put(&mut s, ball(0.5), glass, at(-0.6, -0.1, 0.0));
+    put(&mut s, ball(0.4), bubble, at(0.7, -0.2, 0.2));
+    put(&mut s, rectangle(2.0, 2.0), light, ceiling_at(1.6));
     s
 }

@@ -194,3 +194,69 @@ impl PreparedCamera {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of each kind, with and without a lens, upright, tilted and stretched.
+    fn cameras() -> Vec<Camera> {
+        let (eye, target) = (Vec3::new(0.3, 1.2, 2.0), Vec3::new(-0.2, 0.4, -1.0));
+        let mut cameras = Vec::new();
+        for stretch in [Vec3::ONE, Vec3::new(1.4, 0.7, 1.2), Vec3::new(-2.0, 3.0, 0.5)] {
+            for aperture in [0.0, 0.2] {
+                let mut perspective = Perspective::look_at(eye, target, 0.9).unwrap();
+                let mut plan = Orthographic::look_at(eye, target, 3.0).unwrap();
+                for lens in [&mut perspective.lens, &mut plan.lens] {
+                    (lens.aperture_radius, lens.blades, lens.aperture_ratio) = (aperture, 5, 1.5);
+                }
+                cameras.extend([Camera::from(perspective), Camera::from(plan)]);
+            }
+            cameras.push(Equirectangular::look_at(eye, target).unwrap().into());
+            for camera in cameras.iter_mut().rev().take(5) {
+                let pose = match camera {
+                    Camera::Perspective(c) => &mut c.world_from_camera,
+                    Camera::Orthographic(c) => &mut c.world_from_camera,
+                    Camera::Equirectangular(c) => &mut c.world_from_camera,
+                };
+                *pose = *pose * Transform::scale(stretch);
+            }
+        }
+        cameras
+    }
+
+    /// A point on the ray of a place of the film is seen there, and a small piece of the film
+    /// covers as much of a surface that faces it as the density says.
+    #[test]
+    fn points_are_seen_where_their_rays_come_from() {
+        for camera in cameras() {
+            let prepared = camera.prepare([200, 100]);
+            for i in 0..40 {
+                let part = |k: u32| (i * k % 41) as f32 / 41.0;
+                let film = Vec2::new(15.0 + 170.0 * part(7), 10.0 + 80.0 * part(11));
+                let (u, distance) = (Vec2::new(part(5), part(13)), 0.5 + 3.0 * part(17));
+                let ray = prepared.ray(film, u);
+                let point = ray.at(distance);
+                let seen = prepared.seen(point, u).unwrap();
+                assert!(seen.film.distance(film) < 2e-3, "{camera:?}: {film} {seen:?}");
+                assert!(seen.eye.distance(ray.origin) < 1e-5, "{camera:?}: {seen:?}");
+
+                // Where the rays of two neighbours meet the plane that faces this one.
+                let meet = |step: Vec2| {
+                    let ray = prepared.ray(film + step, u);
+                    let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+                    let n = prepared.ray(film, u).direction.as_dvec3();
+                    o + d * ((point.as_dvec3() - o).dot(n) / d.dot(n))
+                };
+                let across = |axis: Vec2| (meet(axis) - meet(-axis)) / 2.0;
+                let area = across(Vec2::X * 0.5).cross(across(Vec2::Y * 0.5)).length() * 4.0;
+                let density = prepared.pixels_per_area(ray.direction, distance);
+                let covered = area * f64::from(density);
+                assert!((covered - 1.0).abs() < 0.01, "{camera:?}: {film} covers {covered}");
+            }
+            let behind = camera.axis().at(-0.1);
+            let all_around = matches!(camera, Camera::Equirectangular(_));
+            assert_eq!(prepared.seen(behind, Vec2::splat(0.5)).is_some(), all_around);
+        }
+    }
+}

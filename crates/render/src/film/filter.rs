@@ -290,4 +290,39 @@ mod tests {
             }
         }
     }
+
+    /// A point of the film counts for each pixel what that pixel's filter says of it, as often as it
+    /// is chosen times what it counts then. Between filters that leave gaps it counts for none.
+    #[test]
+    fn points_count_what_filters_say() {
+        for filter in ALL.into_iter().filter(|f| f.eval(0.6 * f.radius()) != 0.0) {
+            let (sampler, radius) = (FilterSampler::new(&filter), filter.radius());
+            let steps = 4000;
+            let step = 2.0 * f64::from(radius) / f64::from(steps);
+            let value =
+                |i: i32| f64::from(filter.eval(((f64::from(i) + 0.5) * step) as f32 - radius));
+            let integral = (0..steps).map(value).sum::<f64>() * step;
+            for at in [3.0, 3.2, 3.5, 3.91, -0.3_f32] {
+                let mut counts = std::collections::BTreeMap::new();
+                let n = 1 << 16;
+                for u in (0..n).map(|i| (i as f32 + 0.5) / n as f32) {
+                    if let Some((pixel, weight)) = sampler.pixel_along(at, u) {
+                        *counts.entry(pixel).or_insert(0.0) += f64::from(weight) / f64::from(n);
+                    }
+                }
+                for pixel in -20..24_i64 {
+                    let x = at - (pixel as f32 + 0.5);
+                    // Where a box ends, either side will do.
+                    if matches!(filter, Filter::Box { .. }) && x.abs() == radius {
+                        continue;
+                    }
+                    let expected = f64::from(filter.eval(x)) / integral;
+                    let counted = counts.get(&pixel).copied().unwrap_or(0.0);
+                    let most = f64::from(filter.eval(0.0)) / integral;
+                    let error = (counted - expected).abs() / most;
+                    assert!(error < 0.01, "{filter:?} at {at}, {pixel}: {counted} for {expected}");
+                }
+            }
+        }
+    }
 }
