@@ -49,6 +49,7 @@ pub fn all() -> Vec<Named> {
         named("caustics on a plan", caustics_on_a_plan()),
         named("caustics all around", caustics_all_around()),
         named("caustics under water", caustics_under_water()),
+        named("caustics of a sun", caustics_of_a_sun()),
     ]
 }
 
@@ -154,9 +155,8 @@ fn glass_and_caustic() -> Scene {
     s
 }
 
-/// A sky with a bright patch, turned, over balls.
-fn sky_map() -> Scene {
-    let mut s = looking([0.0, 1.0, 4.0], [0.0, 0.4, 0.0]);
+/// A sky with a bright patch, turned.
+fn sunny_sky(s: &mut Scene) {
     let (width, height) = (32_u32, 16_u32);
     let pixels: Vec<[f32; 3]> = (0..width * height)
         .map(|i| {
@@ -168,6 +168,12 @@ fn sky_map() -> Scene {
     let image = Image::from_rgb(width, height, &pixels).expect("as many pixels as the size says");
     let image = s.add_image(image);
     s.environment = Some(Environment { rotation: 1.0, scale: 0.8, ..Environment::image(image) });
+}
+
+/// Balls under a sunny sky.
+fn sky_map() -> Scene {
+    let mut s = looking([0.0, 1.0, 4.0], [0.0, 0.4, 0.0]);
+    sunny_sky(&mut s);
     let white = matte(&mut s, 0.8, 0.8, 0.8);
     let mirror = s.add_material(Mirror { reflectance: Rgb::WHITE });
     put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
@@ -561,5 +567,22 @@ fn caustics_under_water() -> Scene {
     put(&mut s, ball(0.5), glass, at(-0.6, -0.1, 0.0));
     put(&mut s, ball(0.4), bubble, at(0.7, -0.2, 0.2));
     put(&mut s, rectangle(2.0, 2.0), light, ceiling_at(1.6));
+    s
+}
+
+/// A ball and a block of glass, one coloured, that throw the light of a sunny sky and of a lamp.
+fn caustics_of_a_sun() -> Scene {
+    let mut s = looking([0.5, 2.2, 4.0], [0.0, 0.3, 0.0]);
+    sunny_sky(&mut s);
+    let white = matte(&mut s, 0.8, 0.8, 0.8);
+    let glass = s.add_material(Dielectric::new(1.5));
+    let mut green = Dielectric::new(1.5);
+    green.interior.absorption = Absorption::Coefficient(Rgb::new(0.9, 0.2, 0.9));
+    let green = s.add_material(green);
+    let light = lamp(&mut s, 4.0);
+    put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
+    put(&mut s, ball(0.6), glass, at(-0.9, 0.7, 0.0));
+    put(&mut s, Shape::Box { size: Vec3::splat(0.9) }, green, at(0.7, 0.6, 0.2));
+    put(&mut s, ball(0.7), light, at(0.3, 2.0, -1.6));
     s
 }

@@ -22,7 +22,7 @@ use crate::color::Spectrum;
 use crate::film::{FilterSampler, Splat, Splats};
 use crate::follow::transmittance;
 use crate::interaction::SurfaceInteraction;
-use crate::light::Glow;
+use crate::light::{EmitterSample, Glow};
 use crate::medium::Media;
 use crate::prepare::{Casting, Outlook, Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
@@ -64,6 +64,23 @@ const EVERY_LOG2: u32 = match option_env!("KLOG") {
     Some(s) => (s.as_bytes()[0] - 48) as u32,
     None => 4,
 };
+
+impl<S> LightPath<S> {
+    /// `None` where it could not have been chosen.
+    fn new(ray: Ray, radiance: Spectrum, density: f32, media: Media, sampler: S) -> Option<Self> {
+        let (left, depth) = (Spectrum::WHITE, 0);
+        let weight = radiance / density;
+        (density > 0.0 && density.is_finite()).then_some(Self {
+            ray,
+            weight,
+            density,
+            left,
+            depth,
+            media,
+            sampler,
+        })
+    }
+}
 
 /// What would come to the camera if nothing were in its way.
 struct Arrival {
@@ -119,20 +136,35 @@ impl<'a> Caustics<'a> {
         normal: Vec3,
         direction: Vec3,
     ) -> f32 {
-        let Some(glow) = self.scene.emitters()[emitter].glow() else { return 1.0 };
-        let from = Outlook { position, normal, two_sided: glow.two_sided };
-        let density = self.density(emitter, &from, -direction);
+        let density = match self.scene.emitters()[emitter].glow() {
+            Some(Glow { two_sided, .. }) => {
+                let from = Outlook { position, normal, two_sided: *two_sided };
+                self.density(emitter, &from, -direction)
+            }
+            None => self.sky_density(position, direction),
+        };
         if density > 0.0 { 1.0 / (1.0 + lead * density) } else { 1.0 }
     }
 
     /// The density of light paths, per projected area and solid angle, where they leave a lamp.
     fn density(&self, emitter: usize, from: &Outlook, direction: Vec3) -> f32 {
-        let pmf = self.casting.lamps().pmf(from.position, emitter);
+        let (_, sky_pmf) = self.casting.sky().unwrap_or((0, 0.0));
+        let pmf = (1.0 - sky_pmf) * self.casting.lamps().pmf(from.position, emitter);
         if pmf == 0.0 {
             return 0.0;
         }
         let pdf_area = pmf / self.scene.emitters()[emitter].area();
         pdf_area * self.casting.casters().pdf(from, direction) / from.normal.dot(direction).abs()
+    }
+
+    /// The density of light paths that come from the sky in direction `wi`, on the line through
+    /// `point`.
+    fn sky_density(&self, point: Vec3, wi: Vec3) -> f32 {
+        self.casting.sky().map_or(0.0, |(sky, pmf)| {
+            // The sky has no place and no normal.
+            let pdf = self.scene.emitters()[sky].pdf(point, wi, point, wi);
+            pmf * pdf * self.casting.casters().pdf_disk(wi, point)
+        })
     }
 
     /// Traces light paths with these random numbers, and gives what they bring to the pixels that `splats`
@@ -179,29 +211,48 @@ impl<'a> Caustics<'a> {
         }
     }
 
-    /// Sends a path from a lamp towards something that throws its light on.
+    /// Sends a path from a light towards something that throws its light on.
     fn start<S: Sampler>(&self, sampler: S) -> Option<LightPath<S>> {
-        let (lamp, _) = self.casting.lamps().select(Vec3::ZERO, sampler.d1(light_path::LAMP))?;
+        let mut u = sampler.d1(light_path::LAMP);
+        let choice = sampler.d1(light_path::CASTER);
+        if let Some((sky, pmf)) = self.casting.sky() {
+            if u < pmf {
+                return self.start_from_sky(sky, choice, sampler);
+            }
+            // What is left is as good as new.
+            u = (u - pmf) / (1.0 - pmf);
+        }
+        let (lamp, _) = self.casting.lamps().select(Vec3::ZERO, u)?;
         let emitter = &self.scene.emitters()[lamp];
         let Glow { radiance, two_sided } = *emitter.glow()?;
         let point = emitter.point(sampler.d2(light_path::POINT))?;
         let from = Outlook { position: point.position, normal: point.normal, two_sided };
-        let choice = sampler.d1(light_path::CASTER);
-        let direction = sampler.d2(light_path::DIRECTION);
-        let direction = self.casting.casters().sample(&from, choice, direction)?;
+        let u = sampler.d2(light_path::DIRECTION);
+        let direction = self.casting.casters().sample(&from, choice, u)?;
         if !two_sided && from.normal.dot(direction) <= 0.0 {
             return None;
         }
+        let ray = Ray::new(offset_origin(from.position, from.normal, direction), direction);
         let density = self.density(lamp, &from, direction);
-        (density > 0.0 && density.is_finite()).then(|| LightPath {
-            ray: Ray::new(offset_origin(from.position, from.normal, direction), direction),
-            weight: radiance / density,
-            density,
-            left: Spectrum::WHITE,
-            depth: 0,
-            media: self.casting.media(lamp as u32),
-            sampler,
-        })
+        LightPath::new(ray, radiance, density, self.casting.media(lamp as u32), sampler)
+    }
+
+    /// The same from the sky.
+    fn start_from_sky<S: Sampler>(
+        &self,
+        sky: usize,
+        choice: f32,
+        sampler: S,
+    ) -> Option<LightPath<S>> {
+        let EmitterSample { wi, radiance, .. } =
+            self.scene.emitters()[sky].sample(Vec3::ZERO, sampler.d2(light_path::POINT))?;
+        let u = sampler.d2(light_path::DIRECTION);
+        let point = self.casting.casters().sample_disk(wi, choice, u);
+        let density = self.sky_density(point, wi);
+        // From outside of everything.
+        let (middle, radius) = (self.scene.report().bounds.center(), self.scene.radius());
+        let origin = point + wi * (2.0 * radius + middle.distance(point));
+        LightPath::new(Ray::new(origin, -wi), radiance, density, Media::NONE, sampler)
     }
 
     /// Takes a path to where it `hit` something, notes what arrives at the camera from there, and

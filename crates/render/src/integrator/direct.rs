@@ -34,7 +34,7 @@ impl Integrator for Direct {
             radiance += emitted(SeenEmission::of_surface(scene, glowing.at)) * glowing.through;
         });
         let Some(met) = way.met else {
-            return radiance + emitted(SeenEmission::of_sky(scene, ray.direction)) * way.through;
+            return radiance + emitted(SeenEmission::of_sky(scene, &ray)) * way.through;
         };
         let (at, bsdf) = (&met.at, &met.material.bsdf);
         let wo = at.wo_local();
@@ -86,7 +86,7 @@ impl Integrator for Direct {
             });
             let seen = match &onward.met {
                 Some(met) => SeenEmission::of_surface(scene, &met.at),
-                None => SeenEmission::of_sky(scene, direction),
+                None => SeenEmission::of_sky(scene, &ray),
             };
             radiance += unsampled(seen, onward.passed) * weight * onward.through;
         }

@@ -5,7 +5,7 @@ use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::EmitterSelection;
 use crate::prepare::Prepared;
-use rutilant_geom::Vec3;
+use rutilant_geom::{Ray, Vec3};
 
 /// Emitted light that a ray ran into.
 pub(super) struct SeenEmission {
@@ -13,17 +13,17 @@ pub(super) struct SeenEmission {
     pub(super) radiance: Spectrum,
     /// The number of the emitter.
     emitter: usize,
-    /// Where the ray met it, and the normal there; not used by the sky.
+    /// Where the ray met it, and the normal there; of the sky only a point on the ray is known.
     position: Vec3,
     normal: Vec3,
 }
 
 impl SeenEmission {
-    /// The sky in direction `wi`.
-    pub(super) fn of_sky(scene: &Prepared, wi: Vec3) -> Option<Self> {
+    /// The sky as `ray` sees it.
+    pub(super) fn of_sky(scene: &Prepared, ray: &Ray) -> Option<Self> {
         let (emitter, sky) = scene.environment()?;
-        let radiance = sky.radiance(wi);
-        Some(Self { radiance, emitter, position: Vec3::ZERO, normal: Vec3::ZERO })
+        let radiance = sky.radiance(ray.direction);
+        Some(Self { radiance, emitter, position: ray.origin, normal: Vec3::ZERO })
     }
 
     /// A glowing surface.

@@ -43,7 +43,7 @@ impl Integrator for Naive {
             });
             throughput *= way.through;
             let Some(met) = way.met else {
-                if let Some(sky) = SeenEmission::of_sky(scene, ray.direction) {
+                if let Some(sky) = SeenEmission::of_sky(scene, &ray) {
                     radiance += throughput * sky.radiance;
                 }
                 break;

@@ -111,9 +111,10 @@ impl Path<'_> {
                 previous = None;
             }
             let Some(met) = way.met else {
-                if let Some(sky) = SeenEmission::of_sky(scene, direction) {
-                    radiance += throughput
-                        * self.weighted(scene, &sky, direction, previous.as_ref(), 0.0, control);
+                if let Some(sky) = SeenEmission::of_sky(scene, &ray) {
+                    let (previous, lead) = (previous.as_ref(), lead / density_gain);
+                    radiance +=
+                        throughput * self.weighted(scene, &sky, direction, previous, lead, control);
                 }
                 break;
             };

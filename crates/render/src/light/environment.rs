@@ -115,6 +115,8 @@ pub struct EnvironmentEmitter {
     sky: Sky,
     /// Sine and cosine of the rotation around +y.
     turn: (f32, f32),
+    /// The largest radiance of any channel.
+    brightest: f32,
 }
 
 #[derive(Clone, Debug)]
@@ -139,7 +141,20 @@ impl EnvironmentEmitter {
                     })
             }
         };
-        (Self { sky, turn: real::sin_cos(environment.rotation) }, mended)
+        let brightest = match environment.light {
+            EnvironmentLight::Constant(rgb) => Spectrum::from(rgb).max_channel(),
+            EnvironmentLight::Image { image, .. } => {
+                let pixels = images[image.0 as usize].rgb().into_iter().flatten().flatten();
+                pixels.filter(|c| c.is_finite()).fold(0.0, f32::max)
+            }
+        };
+        let brightest = brightest * environment.scale;
+        (Self { sky, turn: real::sin_cos(environment.rotation), brightest }, mended)
+    }
+
+    /// The largest radiance of any channel.
+    pub(crate) fn brightest(&self) -> f32 {
+        self.brightest
     }
 
     /// Whether it is the same everywhere.

@@ -3,6 +3,7 @@
 //! Light paths are aimed at them: what they throw on other surfaces are caustics.
 
 use crate::light::EmitterSelection;
+use crate::math::warp;
 use crate::medium::Media;
 use rutilant_geom::{Aabb, Frame, Sphere, Vec2, Vec3, real};
 use std::f32::consts::PI;
@@ -12,10 +13,12 @@ use std::f32::consts::PI;
 pub(crate) struct Casting {
     pub(super) casters: Casters,
     pub(super) lamps: EmitterSelection,
+    /// The number of the sky among the emitters, where it is one that light paths start from.
+    pub(super) sky: Option<u32>,
     /// What the lamps stand in, by the number of the first of each object's: only where something
     /// absorbs.
     pub(super) media: Vec<(u32, Media)>,
-    /// The largest radiance of a lamp.
+    /// The largest radiance of a light.
     pub(super) brightest: f32,
 }
 
@@ -30,13 +33,20 @@ impl Casting {
         &self.lamps
     }
 
+    /// The number of the sky, and how often light paths start from there: as often as from all
+    /// lamps together.
+    pub(crate) fn sky(&self) -> Option<(usize, f32)> {
+        let alone = matches!(self.lamps, EmitterSelection::None);
+        Some((self.sky? as usize, if alone { 1.0 } else { 0.5 }))
+    }
+
     /// What the light of a lamp starts in.
     pub(crate) fn media(&self, emitter: u32) -> Media {
         let after = self.media.partition_point(|(first, _)| *first <= emitter);
         after.checked_sub(1).map_or(Media::NONE, |i| self.media[i].1)
     }
 
-    /// The largest radiance of a lamp.
+    /// The largest radiance of a light.
     pub(crate) fn brightest(&self) -> f32 {
         self.brightest
     }
@@ -124,6 +134,37 @@ impl Casters {
         });
         let hits = hit.count();
         if hits == 0 { 0.0 } else { hits as f32 / self.weights(from).sum::<f32>() }
+    }
+
+    /// Draws a point in the way of light that comes along straight lines from the direction `wi`, by
+    /// a `choice` in [0, 1) and `u` in [0, 1)²; evenly over the disks as which a ball is seen from
+    /// there.
+    pub(crate) fn sample_disk(&self, wi: Vec3, choice: f32, u: Vec2) -> Vec3 {
+        let mut left = choice * self.disks();
+        let mut chosen = self.0[0];
+        for &ball in &self.0 {
+            chosen = ball;
+            let disk = PI * ball.radius * ball.radius;
+            if left < disk {
+                break;
+            }
+            left -= disk;
+        }
+        let at = warp::concentric_disk(u) * chosen.radius;
+        chosen.center + Frame::around(wi).to_world(at.extend(0.0))
+    }
+
+    /// The density, in 1/m² across it, with which [`sample_disk`](Self::sample_disk) draws the
+    /// straight line through `point` along the unit vector `wi`.
+    pub(crate) fn pdf_disk(&self, wi: Vec3, point: Vec3) -> f32 {
+        let hit =
+            |b: &&Sphere| (b.center - point).cross(wi).length_squared() <= b.radius * b.radius;
+        self.0.iter().filter(hit).count() as f32 / self.disks()
+    }
+
+    /// The area of all disks as which a ball is seen from far away.
+    fn disks(&self) -> f32 {
+        self.0.iter().map(|ball| PI * ball.radius * ball.radius).sum()
     }
 
     /// The solid angles that the balls fill as they are drawn from; 0 behind the lamp.

@@ -410,7 +410,7 @@ impl Prepared {
         self.casting.as_ref()
     }
 
-    /// Finds lamps, and what sends light on in single directions. Nothing where surfaces do to light
+    /// Finds lights, and what sends light on in single directions. Nothing where surfaces do to light
     /// what only a path from the camera knows.
     pub(super) fn find_casting(&self) -> Option<Casting> {
         const MIDDLE: Vec2 = Vec2::splat(0.5);
@@ -442,8 +442,14 @@ impl Prepared {
         let lamps = EmitterSelection::of(&self.emitters, |i| shines[i]);
         let radiance = |e: &Emitter| e.glow().map_or(0.0, |glow| glow.radiance.max_channel());
         let brightest = self.emitters.iter().map(radiance).fold(0.0, f32::max);
-        let none = matches!(lamps, EmitterSelection::None);
-        (!none).then_some(Casting { casters, lamps, media, brightest })
+        // Of an even sky, scattered rays see more than light paths would bring.
+        let sky = self
+            .environment()
+            .filter(|(i, sky)| sky.brightest() > 0.0 && !self.emitters[*i].is_even_sky());
+        let brightest = sky.map_or(brightest, |(_, sky)| brightest.max(sky.brightest()));
+        let sky = sky.map(|(i, _)| i as u32);
+        let none = matches!(lamps, EmitterSelection::None) && sky.is_none();
+        (!none).then_some(Casting { casters, lamps, sky, media, brightest })
     }
 
     /// Balls around everything that sends light on in single directions.

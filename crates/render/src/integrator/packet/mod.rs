@@ -94,7 +94,7 @@ impl Path<'_> {
         for lane in each_lane(met.sky | met.glows) {
             let direction = at(&paths.rays.direction, lane);
             let seen = if met.sky >> lane & 1 == 1 {
-                SeenEmission::of_sky(scene, direction)
+                SeenEmission::of_sky(scene, &paths.rays.ray(lane))
             } else {
                 met.emission(scene, lane, -direction)
             };
