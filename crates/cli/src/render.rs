@@ -70,6 +70,9 @@ pub(crate) struct Args {
     /// The longest path in segments: 1 is emission seen directly, 2 direct light; for path and naive
     #[arg(long, value_name = "N", help_heading = LIGHT, value_parser = options::count::<u32>, allow_hyphen_values = true)]
     max_depth: Option<u32>,
+    /// Trace no paths from lights: what glass and mirrors throw on other surfaces is left to chance
+    #[arg(long, help_heading = LIGHT)]
+    no_caustics: bool,
 
     /// Brightness in stops: each doubles it. Scene-linear files keep radiance as it is
     #[arg(long, value_name = "STOPS", help_heading = DISPLAY, value_parser = options::finite, allow_hyphen_values = true)]
@@ -328,6 +331,7 @@ fn settings(args: &Args, scene: &Settings) -> Settings {
         integrator: args.integrator.map_or(scene.integrator, Into::into),
         sampler: args.sampler.map_or(scene.sampler, Into::into),
         seed: args.seed.unwrap_or(scene.seed),
+        caustics: scene.caustics && !args.no_caustics,
         ..scene.clone()
     }
 }
@@ -350,6 +354,7 @@ fn metadata(args: &Args, settings: &Settings, rendered: &Rendered) -> Vec<(Strin
         ("integrator", Some(options::name(&Integrator::from(settings.integrator)))),
         ("sampler", Some(options::name(&Sampler::from(settings.sampler)))),
         ("max_depth", settings.max_depth.map(|depth| depth.to_string())),
+        ("no_caustics", args.no_caustics.then(|| "true".to_owned())),
     ]
     .into_iter()
     .filter_map(|(name, value)| Some((name.to_owned(), value?)))

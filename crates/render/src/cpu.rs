@@ -7,7 +7,7 @@ use crate::integrator::{
     Starts, dimension,
 };
 use crate::light::EmitterSelection;
-use crate::math::morton;
+use crate::math::{from_morton, morton};
 use crate::prepare::Prepared;
 use crate::sampler::{Independent, Sampler, Sequence, Sobol};
 use crate::settings::{IntegratorKind, SamplerKind, Settings, Strategy};
@@ -252,10 +252,12 @@ impl Rendering<'_> {
     }
 }
 
-/// The pixels of an area, row by row.
+/// The pixels of an area, along a curve on which those that follow each other are near each other.
 fn pixels_of(area: &Crop) -> impl Iterator<Item = [u32; 2]> + use<> {
-    let (columns, rows) = (area.x..area.x + area.width, area.y..area.y + area.height);
-    rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
+    let &Crop { x, y, width, height } = area;
+    let side = width.max(height).next_power_of_two();
+    let places = (0..side * side).map(from_morton);
+    places.filter(move |&[i, j]| i < width && j < height).map(move |[i, j]| [x + i, y + j])
 }
 
 /// How the picture's light paths, one for each sample of each pixel, are shared out: in runs of

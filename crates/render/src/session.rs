@@ -214,16 +214,17 @@ impl Shared {
     /// there is none the session no longer counts as running, in the same breath: a target that
     /// is raised later finds it ended.
     fn next_pass(&self) -> Option<u64> {
-        /// A pass traces about this many rays: enough to outweigh starting threads, and few
+        /// In a pass each thread traces about this many rays: enough to outweigh its start, and few
         /// enough to be over soon when it is to be the last.
-        const PASS_RAYS: u64 = 1 << 19;
+        const RAYS_EACH: u64 = 1 << 21;
         let window = self.settings.window();
         let pixels = u64::from(window.width) * u64::from(window.height);
         let done = self.film.samples();
         // As the passes before went, so will the next; of the first nothing is known.
         let (paths, rays) = self.counters.so_far();
-        let rays_per_sample = (rays / paths.max(1)).max(1) * pixels;
-        let samples = if done == 0 { 1 } else { (PASS_RAYS / rays_per_sample).max(1) };
+        let rays_per_sample = rays as f64 / paths.max(1) as f64 * pixels as f64;
+        let affordable = RAYS_EACH as f64 * self.threads as f64 / rays_per_sample.max(1.0);
+        let samples = if done == 0 { 1 } else { (affordable as u64).max(1) };
         let mut state = self.state();
         if state.ending || done >= state.target {
             state.running = false;

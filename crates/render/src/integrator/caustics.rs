@@ -60,11 +60,6 @@ struct LightPath<S> {
     sampler: S,
 }
 
-const EVERY_LOG2: u32 = match option_env!("KLOG") {
-    Some(s) => (s.as_bytes()[0] - 48) as u32,
-    None => 4,
-};
-
 impl<S> LightPath<S> {
     /// `None` where it could not have been chosen.
     fn new(ray: Ray, radiance: Spectrum, density: f32, media: Media, sampler: S) -> Option<Self> {
@@ -91,7 +86,7 @@ struct Arrival {
 impl<'a> Caustics<'a> {
     /// There is a light path for so many paths from the camera: more would find little more, and
     /// take longer.
-    pub(crate) const EVERY: u64 = 1 << EVERY_LOG2;
+    pub(crate) const EVERY: u64 = 16;
 
     /// `None` where there are none that light paths could find.
     pub(crate) fn new(

@@ -7,4 +7,4 @@ mod morton;
 pub mod octahedral;
 pub mod warp;
 
-pub(crate) use morton::morton;
+pub(crate) use morton::{from_morton, morton};

@@ -26,6 +26,18 @@ const STEPS: [(u32, u64); 5] = [
     (1, 0x5555_5555_5555_5555),
 ];
 
+/// The place, at most 2¹⁶ from each axis, that is number `i` on the curve.
+pub(crate) fn from_morton(i: u32) -> [u32; 2] {
+    let gathered = |v: u32| {
+        let v = v & 0x5555_5555;
+        let v = (v | v >> 1) & 0x3333_3333;
+        let v = (v | v >> 2) & 0x0f0f_0f0f;
+        let v = (v | v >> 4) & 0x00ff_00ff;
+        (v | v >> 8) & 0x0000_ffff
+    };
+    [gathered(i), gathered(i >> 1)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,6 +50,9 @@ mod tests {
             let bit =
                 |i: u32| u64::from(x >> i & 1) << (2 * i) | u64::from(y >> i & 1) << (2 * i + 1);
             assert_eq!(morton(x, y), (0..32).map(bit).sum(), "{x} {y}");
+            if (x | y) >> 16 == 0 {
+                assert_eq!(from_morton(morton(x, y) as u32), [x, y]);
+            }
         }
     }
 }
