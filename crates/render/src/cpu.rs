@@ -101,7 +101,7 @@ impl Rendering<'_> {
                 None,
             ),
             IntegratorKind::AmbientOcclusion => {
-                self.run_with(next_pass, &AmbientOcclusion, eye, None)
+                self.run_with(next_pass, &AmbientOcclusion, eye, None);
             }
             IntegratorKind::Normals => self.run_with(next_pass, &Normals, eye, None),
             IntegratorKind::Albedo => self.run_with(next_pass, &Albedo, eye, None),

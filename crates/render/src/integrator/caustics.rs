@@ -1,8 +1,8 @@
-//! Caustics: light of lamps that glass and mirrors throw on other surfaces.
+//! Caustics: light of lamps and skies that glass and mirrors throw on other surfaces.
 //!
 //! A path from the camera finds it only when it happens to leave a matte surface in just the
 //! direction that leads through the glass to the lamp. A light path finds it with ease: it starts
-//! at a lamp, is aimed at what throws light, follows that while it is sent on in single
+//! at the lamp, is aimed at what throws light, follows that while it is sent on in single
 //! directions, and looks from where it comes down on anything else whether the camera sees it.
 //!
 //! Both ways are weighted against each other by the balance heuristic. Along a chain of clear
@@ -102,10 +102,14 @@ impl<'a> Caustics<'a> {
         Some(Self { scene, camera, casting, filter, pixels, max_depth, roulette })
     }
 
-    /// What makes a light path denser, per projected area and solid angle, than a path from the
-    /// camera that sees a surface of this `normal` at `distance` along `seen` and leaves it along
-    /// `wi` with density `pdf`: what is left is the density of the light path. 0 where light paths
-    /// do not look.
+    /// How dense light paths are at the surface `at`, which a path from the camera saw over
+    /// `distance` metres and left along `wi` with density `pdf`, in units of that path's own
+    /// density: for each unit of density, per projected area and solid angle, with which they set
+    /// out. 0 where light paths do not look.
+    ///
+    /// The path takes this along. Clear surfaces change it only by [`SurfaceInteraction::squeeze`]
+    /// and by the squares of their indices, and where it ends on a light, [`share`](Self::share)
+    /// knows how light paths set out there.
     pub(super) fn lead(&self, at: &SurfaceInteraction, distance: f32, wi: Vec3, pdf: f32) -> f32 {
         if !at.is_flat() {
             return 0.0;
@@ -120,9 +124,9 @@ impl<'a> Caustics<'a> {
         self.pixels / Self::EVERY as f32 * normal.dot(wi).abs() / seen
     }
 
-    /// The share of a path from the camera in light that it found by a chain of clear surfaces, at
-    /// a point of lamp `emitter`, along `direction`. `lead` is what the chain began with, times
-    /// what made light paths denser on it.
+    /// The share that a path from the camera has in light that it met along `direction`, after a
+    /// chain of clear surfaces, at `position` on the emitter of this number. `lead` is what the
+    /// path brought along. Of the sky, `position` is any point on the ray.
     pub(super) fn share(
         &self,
         lead: f32,
@@ -286,10 +290,8 @@ impl<'a> Caustics<'a> {
         let crossed = sample.is_transmission(wo);
         let ray = at.scattered_ray(&material.bsdf, &sample, crossed);
         let Some(squeeze) = at.squeeze(ray.direction) else { return false };
-        if crossed {
-            if let Some(border) = &material.border {
-                path.media.pass_declared(border, from_front);
-            }
+        if let Some(border) = material.border.filter(|_| crossed) {
+            path.media.pass_declared(&border, from_front);
         }
         // Light is not radiance: what enters a denser medium is no more than it was, but denser.
         let squared = sample.eta * sample.eta;

@@ -5,7 +5,7 @@
 //! direction that the surface scatters, and weighs both by multiple importance
 //! sampling. Dim paths end at random; survivors stand in for them.
 //!
-//! Not for caustics from small lights: a path meets those only by chance.
+//! Caustics from small lights a path meets only by chance; `caustics.rs` helps with those.
 //!
 //! Source: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, *Robust
 //! Monte Carlo Methods for Light Transport Simulation*, 1997, chapters 8 to 10.
