@@ -11,7 +11,7 @@ use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::material::{Dielectric, Emission, Matte, Mirror};
 use rutilant::scene::{MaterialId, Scene};
-use rutilant::settings::{SamplerKind, Settings, Strategy};
+use rutilant::settings::{Crop, SamplerKind, Settings, Strategy};
 use rutilant::shape::{Object, Shape};
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -59,8 +59,7 @@ fn a_mirror_lights_as_the_image_in_it() {
     for camera in cameras() {
         let all_around = matches!(camera, Camera::Equirectangular(_));
         // Of a panorama the middle shows that floor.
-        let crop =
-            all_around.then_some(rutilant::settings::Crop { x: 28, y: 14, width: 8, height: 4 });
+        let crop = all_around.then_some(Crop { x: 28, y: 14, width: 8, height: 4 });
         let (size, spp) = if all_around { ([64, 32], 32_768) } else { ([16, 12], 65_536) };
         for filter in
             [Filter::Box { radius: 0.5 }, Filter::Mitchell { radius: 2.0, b: 0.3, c: 0.3 }]
@@ -187,4 +186,16 @@ fn nothing_else_changes() {
         let without = Settings { caustics: false, ..settings.clone() };
         assert_eq!(render(scene, settings).hash(), render(scene, without).hash());
     }
+}
+
+/// A small crop takes all light paths of the picture, and one is told so.
+#[test]
+fn a_small_crop_is_told_what_it_costs() {
+    let scene = Prepared::new(&ball_of_glass()).unwrap();
+    let crop = |side| Some(Crop { x: 0, y: 0, width: side, height: side });
+    let notes = |side, caustics| {
+        let settings = Settings { size: [100, 100], crop: crop(side), caustics, ..small(1) };
+        scene.notes_for(&settings).len()
+    };
+    assert_eq!([notes(20, true), notes(20, false), notes(40, true)], [1, 0, 0]);
 }

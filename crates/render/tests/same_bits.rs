@@ -13,7 +13,7 @@ use rutilant::scene::Scene;
 use rutilant::settings::{
     Crop, Heuristic, LightSelection, Roulette, SamplerKind, Settings, Strategy,
 };
-use rutilant::shape::{Object, Shape};
+use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::{Prepared, Session};
 use std::sync::Arc;
 use std::time::Duration;
@@ -86,8 +86,19 @@ fn any_number_of_threads_gives_the_same_bits() {
 /// layered materials, smooth meshes, every strategy, heuristic, roulette and way to choose lights.
 #[test]
 fn paths_together_are_those_alone() {
-    let scene = scene_of_everything();
-    let prepared = |simd| Prepared::new(&scene).unwrap().with_simd(simd).map(Arc::new);
+    let even = scene_of_everything();
+    let mut sunny = even.clone();
+    let pixels: Vec<[f32; 3]> =
+        (0..32).map(|i| if i == 11 { [40.0, 30.0, 20.0] } else { [0.2, 0.3, 0.5] }).collect();
+    let sky = sunny.add_image(Image::from_rgb(8, 4, &pixels).unwrap());
+    sunny.environment = Some(Environment::image(sky));
+    for scene in [even, sunny] {
+        assert_together_as_alone(&scene);
+    }
+}
+
+fn assert_together_as_alone(scene: &Scene) {
+    let prepared = |simd| Prepared::new(scene).unwrap().with_simd(simd).map(Arc::new);
     let alone = prepared(Simd::Scalar).expect("no instructions are needed");
     let usual = Settings { size: [37, 23], ..settings(6) };
     let mut cases = vec![usual.clone()];
@@ -139,6 +150,21 @@ fn scene_of_everything() -> Scene {
     add(&mut scene, sphere(), mirror, [-1.6, -0.4, 1.0]);
     let mixed = scene.add_material(Mix { first: clay, second: mirror, amount: 0.4 });
     add(&mut scene, sphere(), mixed, [0.9, 0.6, -0.5]);
+    // Six corners with normals that point away from the middle.
+    let corners = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| [axis, -axis]).concat();
+    let octahedron = scene.add_mesh(Mesh {
+        name: "octahedron".into(),
+        positions: corners.iter().map(|&corner| 0.4 * corner).collect(),
+        normals: corners,
+        triangles: (0..8)
+            .map(|i| [i & 1, 2 + (i >> 1 & 1), 4 + (i >> 2)])
+            .map(|[a, b, c]| if (a + b + c) % 2 == 0 { [a, b, c] } else { [a, c, b] })
+            .collect(),
+        ..Mesh::default()
+    });
+    let glass = scene.add_material(Dielectric::new(1.5));
+    add(&mut scene, Shape::Mesh(octahedron), glass, [-0.7, -0.3, 2.0]);
+    add(&mut scene, Shape::Mesh(octahedron), clay, [0.9, -0.3, 2.0]);
     let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
     add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
     scene

@@ -123,6 +123,26 @@ impl Prepared {
 
     /// What a person should know about a rendering of this scene with these settings.
     pub fn notes_for(&self, settings: &Settings) -> Vec<Note> {
+        let mut notes = self.notes_on_unmet(settings);
+        notes.extend(self.note_on_crop(settings));
+        notes
+    }
+
+    /// Where most of the work for a small crop is done outside of it.
+    fn note_on_crop(&self, settings: &Settings) -> Option<Note> {
+        let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+        let window = settings.window();
+        let small = 8 * area([window.width, window.height]) < area(settings.size);
+        let traced = settings.traces_light() && self.casting.is_some();
+        (small && traced).then(|| {
+            "all light paths of the whole picture are traced for its caustics, however small the \
+             crop; without caustics it is faster"
+                .to_owned()
+                .into()
+        })
+    }
+
+    fn notes_on_unmet(&self, settings: &Settings) -> Vec<Note> {
         let meets = match (settings.integrator, settings.strategy) {
             (IntegratorKind::Naive, _) => "the integrator \"naive\"",
             (IntegratorKind::Path, Strategy::BsdfOnly) => "the strategy \"bsdf\"",
