@@ -178,24 +178,22 @@ impl Rendering<'_> {
         let (mut rays, mut found) = (0, Vec::new());
         let mut sample = shown.next_sample(block);
         while sample < until_sample {
-            let until = until_sample.min(sample + SAMPLES_AT_ONCE * Caustics::EVERY);
-            let (mut paths, mut splats) = (0, Vec::new());
-            for tile in LightBlocks::tiles(settings.size, block) {
-                // Pixels take turns.
-                let places = pixels_of(&tile).flat_map(|pixel @ [x, y]| {
-                    let turn = morton(x, y) % Caustics::EVERY;
-                    let of_pixel = |s: u64| (s + Caustics::EVERY - 1 - turn) / Caustics::EVERY;
-                    (of_pixel(sample)..of_pixel(until)).map(move |number| (pixel, number))
-                });
-                let samplers = places.map(|(pixel, number)| S::new(&sequence, pixel, number));
-                let samplers = samplers.inspect(|_| paths += 1);
-                caustics.trace(samplers, shown, &mut found, &mut rays);
-                let (finite, bad): (Vec<Splat>, Vec<Splat>) =
-                    found.drain(..).partition(|splat| splat.value.is_finite());
-                splats.extend(finite);
-                for splat in bad {
-                    self.film.drop_sample(splat.pixel, sample);
-                }
+            let until = until_sample.min(sample + LightBlocks::SAMPLES_AT_ONCE);
+            // Pixels take turns.
+            let places = LightBlocks::tiles(settings.size, block).flat_map(|tile| pixels_of(&tile));
+            let places = places.flat_map(|pixel @ [x, y]| {
+                let turn = morton(x, y) % Caustics::EVERY;
+                let of_pixel = |s: u64| (s + Caustics::EVERY - 1 - turn) / Caustics::EVERY;
+                (of_pixel(sample)..of_pixel(until)).map(move |number| (pixel, number))
+            });
+            let mut paths = 0;
+            let samplers = places.map(|(pixel, number)| S::new(&sequence, pixel, number));
+            let samplers = samplers.inspect(|_| paths += 1);
+            caustics.trace(samplers, shown, &mut found, &mut rays);
+            let (splats, bad): (Vec<Splat>, Vec<Splat>) =
+                found.drain(..).partition(|splat| splat.value.is_finite());
+            for splat in bad {
+                self.film.drop_sample(splat.pixel, sample);
             }
             shown.add(block, until, paths, &splats);
             sample = until;
@@ -266,7 +264,10 @@ pub(crate) struct LightBlocks;
 
 impl LightBlocks {
     /// Side of a tile in pixels.
-    const TILE: u32 = 16;
+    const TILE: u32 = 64;
+    /// With so many samples a tile has four thousand light paths on their way together: many, so
+    /// that eight can go together for long.
+    const SAMPLES_AT_ONCE: u64 = 16;
     /// In larger pictures blocks have more tiles.
     const MOST: u64 = 1 << 16;
 
