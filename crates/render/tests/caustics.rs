@@ -9,7 +9,7 @@ use rutilant::color::Rgb;
 use rutilant::film::Filter;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::material::{Dielectric, Emission, Matte, Mirror};
+use rutilant::material::{Absorption, Dielectric, Emission, Matte, Mirror};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{Crop, SamplerKind, Settings, Strategy};
 use rutilant::shape::{Object, Shape};
@@ -198,4 +198,25 @@ fn a_small_crop_is_told_what_it_costs() {
         scene.notes_for(&settings).len()
     };
     assert_eq!([notes(20, true), notes(20, false), notes(40, true)], [1, 0, 0]);
+}
+
+/// A ball of dark glass just touches the middle of a lamp's beam. It is not taken to be around the
+/// lamp: what it mirrors is as bright as chance finds it.
+#[test]
+fn glass_beside_a_lamp_is_not_around_it() {
+    let camera = Perspective::look_at(Vec3::new(0.0, 1.5, 3.0), Vec3::new(0.0, 0.3, 0.0), 0.7);
+    let mut scene = Scene::new(camera.unwrap());
+    let floor = scene.add_material(Matte::new(Rgb::grey(0.7)));
+    let mut dark = Dielectric::new(1.5);
+    dark.interior.absorption = Absorption::Coefficient(Rgb::grey(1e6));
+    let dark = scene.add_material(dark);
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(10.0)));
+    put(&mut scene, rectangle(20.0), floor, Transform::rotate(Vec3::X, -FRAC_PI_2));
+    put(&mut scene, Shape::Sphere { radius: 0.5 }, dark, at(0.0, 0.7, 0.0));
+    let downward = Transform::rotate(Vec3::X, FRAC_PI_2);
+    put(&mut scene, rectangle(1.0), lamp, at(0.5, 3.0, 0.0) * downward);
+    let settings = Settings { size: [48, 36], sampler: SamplerKind::Sobol, ..small(1024) };
+    let with = mean(&render(&scene, settings.clone()), "G");
+    let without = mean(&render(&scene, Settings { caustics: false, ..settings }), "G");
+    assert!((with.0 / without.0 - 1.0).abs() < 0.003, "{with:?} {without:?}");
 }

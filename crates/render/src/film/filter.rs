@@ -186,6 +186,16 @@ impl FilterSampler {
         (Vec2::new(x, y), wx * wy)
     }
 
+    /// About what part of the film the filters of all pixels cover: 1 but for filters that are
+    /// narrower than a pixel.
+    pub(crate) fn coverage(&self) -> f32 {
+        let count = self.signs.len() as f32;
+        let shares = self.cumulative.windows(2).map(|ends| ends[1] - ends[0]);
+        // As wide as a box that is as uneven: one over the integral of the squared density.
+        let width = 2.0 * self.radius / (count * shares.map(|share| share * share).sum::<f32>());
+        width.min(1.0) * width.min(1.0)
+    }
+
     /// Chooses, by `u` in [0, 1)², one of the pixels whose filters see a point of the film: its
     /// column and row, which may lie outside the picture, and what a sample of that point counts
     /// for it, so that all pixels together get what their filters say. `None` between filters

@@ -39,6 +39,8 @@ pub(crate) struct Caustics<'a> {
     filter: &'a FilterSampler,
     /// Of the whole picture.
     pixels: f32,
+    /// Light paths for each sample of all pixels, as far as pixels see where they come down.
+    paths: f32,
     /// The longest path in segments.
     max_depth: u32,
     roulette: Roulette,
@@ -98,8 +100,9 @@ impl<'a> Caustics<'a> {
         roulette: Roulette,
     ) -> Option<Self> {
         let casting = scene.casting()?;
-        let pixels = size.into_iter().map(|side| side as f32).product();
-        Some(Self { scene, camera, casting, filter, pixels, max_depth, roulette })
+        let pixels: f32 = size.into_iter().map(|side| side as f32).product();
+        let paths = filter.coverage() * pixels / Self::EVERY as f32;
+        Some(Self { scene, camera, casting, filter, pixels, paths, max_depth, roulette })
     }
 
     /// How dense light paths are at the surface `at`, which a path from the camera saw over
@@ -121,7 +124,7 @@ impl<'a> Caustics<'a> {
     #[inline]
     pub(super) fn lead_at(&self, normal: Vec3, wo: Vec3, distance: f32, wi: Vec3, pdf: f32) -> f32 {
         let seen = self.camera.pixels_per_area(-wo, distance) * normal.dot(wo).abs() * pdf;
-        self.pixels / Self::EVERY as f32 * normal.dot(wi).abs() / seen
+        self.paths * normal.dot(wi).abs() / seen
     }
 
     /// The share that a path from the camera has in light that it met along `direction`, after a

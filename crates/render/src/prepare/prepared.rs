@@ -10,7 +10,7 @@ use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::Note;
 use crate::settings::{IntegratorKind, Settings, Strategy};
 use rutilant_geom::{
-    Aabb, BuildReport, DVec3, Hit, Ray, Sphere, Surfaces, Vec2, Vec3, offset_origin,
+    Aabb, BuildReport, DVec3, Frame, Hit, Ray, Sphere, Surfaces, Vec2, Vec3, offset_origin,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -433,7 +433,9 @@ impl Prepared {
     /// Finds lights, and what sends light on in single directions. Nothing where surfaces do to light
     /// what only a path from the camera knows.
     pub(super) fn find_casting(&self) -> Option<Casting> {
-        const MIDDLE: Vec2 = Vec2::splat(0.5);
+        /// A point and a direction that nothing which people place by round numbers touches.
+        const SOMEWHERE: (Vec2, Vec3) = (Vec2::new(0.37, 0.61), Vec3::new(0.31, 0.17, 1.0));
+        let (on_lamp, outward) = SOMEWHERE;
         let casters = self.is_plain.then(|| self.casters())?;
         if casters.is_empty() {
             return None;
@@ -448,14 +450,15 @@ impl Prepared {
             let Some(emitter) = object.emitter_of(primitive) else { continue };
             let lamp = &self.emitters[emitter as usize];
             let border = self.materials[object.material as usize].border;
-            let Some(point) = lamp.point(MIDDLE).filter(|_| lamp.area() > 0.0 && border.is_none())
+            let Some(point) = lamp.point(on_lamp).filter(|_| lamp.area() > 0.0 && border.is_none())
             else {
                 continue;
             };
             shines[emitter as usize] = true;
             if some_absorb && !std::mem::replace(&mut known[number as usize], true) {
                 let origin = offset_origin(point.position, point.normal, point.normal);
-                media.push((emitter, self.media_at(Ray::new(origin, point.normal))));
+                let direction = Frame::around(point.normal).to_world(outward).normalize();
+                media.push((emitter, self.media_at(Ray::new(origin, direction))));
             }
         }
         media.sort_unstable_by_key(|(emitter, _)| *emitter);
