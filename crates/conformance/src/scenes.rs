@@ -80,6 +80,12 @@ fn lamp(scene: &mut Scene, radiance: f32) -> MaterialId {
     scene.add_material(Emission::radiance(Rgb::new(radiance, 0.9 * radiance, 0.7 * radiance)))
 }
 
+fn green_glass(scene: &mut Scene) -> MaterialId {
+    let mut green = Dielectric::new(1.5);
+    green.interior.absorption = Absorption::Coefficient(Rgb::new(0.9, 0.2, 0.9));
+    scene.add_material(green)
+}
+
 fn put(scene: &mut Scene, shape: Shape, material: MaterialId, place: Transform) {
     scene.objects.push(Object::new(shape, material).transformed(&place));
 }
@@ -138,9 +144,7 @@ fn glass_and_caustic() -> Scene {
     let mut s = looking([0.5, 1.6, 4.0], [0.0, 0.5, 0.0]);
     let white = matte(&mut s, 0.8, 0.8, 0.8);
     let glass = s.add_material(Dielectric::new(1.5));
-    let mut green = Dielectric::new(1.5);
-    green.interior.absorption = Absorption::Coefficient(Rgb::new(0.9, 0.2, 0.9));
-    let green = s.add_material(green);
+    let green = green_glass(&mut s);
     let light = lamp(&mut s, 5.0);
     put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
     put(&mut s, ball(0.7), glass, at(-0.7, 0.8, 0.0));
@@ -576,9 +580,7 @@ fn caustics_of_a_sun() -> Scene {
     sunny_sky(&mut s);
     let white = matte(&mut s, 0.8, 0.8, 0.8);
     let glass = s.add_material(Dielectric::new(1.5));
-    let mut green = Dielectric::new(1.5);
-    green.interior.absorption = Absorption::Coefficient(Rgb::new(0.9, 0.2, 0.9));
-    let green = s.add_material(green);
+    let green = green_glass(&mut s);
     let light = lamp(&mut s, 4.0);
     put(&mut s, rectangle(10.0, 10.0), white, floor_at(0.0));
     put(&mut s, ball(0.6), glass, at(-0.9, 0.7, 0.0));

@@ -44,6 +44,10 @@ struct Eye<'a> {
 /// a packet's rays begin nearly as one.
 const SAMPLES_AT_ONCE: u64 = 8;
 
+/// Of a tile of light paths so many samples are on their way together: four thousand paths, so that
+/// eight can go together for long.
+const LIGHT_SAMPLES_AT_ONCE: u64 = 16;
+
 /// Everything that a rendering reads and writes.
 pub(crate) struct Rendering<'a> {
     pub(crate) scene: &'a Prepared,
@@ -86,26 +90,24 @@ impl Rendering<'_> {
                         Caustics::new(self.scene, &camera, &filter, size, max_depth, roulette)
                     }),
                 };
-                let caustics = path.caustics;
                 if settings.learns() {
-                    self.run_with(next_pass, &Optimal(path), eye, caustics);
+                    self.run_with(next_pass, &Optimal(path), eye);
                 } else {
-                    self.run_with(next_pass, &path, eye, caustics);
+                    self.run_with(next_pass, &path, eye);
                 }
             }
-            IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }, eye, None),
+            IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }, eye),
             IntegratorKind::Direct => self.run_with(
                 next_pass,
                 &Direct { selection: EmitterSelection::new(kind, emitters, radius) },
                 eye,
-                None,
             ),
             IntegratorKind::AmbientOcclusion => {
-                self.run_with(next_pass, &AmbientOcclusion, eye, None);
+                self.run_with(next_pass, &AmbientOcclusion, eye);
             }
-            IntegratorKind::Normals => self.run_with(next_pass, &Normals, eye, None),
-            IntegratorKind::Albedo => self.run_with(next_pass, &Albedo, eye, None),
-            IntegratorKind::Depth => self.run_with(next_pass, &Depth, eye, None),
+            IntegratorKind::Normals => self.run_with(next_pass, &Normals, eye),
+            IntegratorKind::Albedo => self.run_with(next_pass, &Albedo, eye),
+            IntegratorKind::Depth => self.run_with(next_pass, &Depth, eye),
         }
     }
 
@@ -114,14 +116,13 @@ impl Rendering<'_> {
         next_pass: impl FnMut() -> Option<u64>,
         integrator: &I,
         eye: Eye<'_>,
-        caustics: Option<Caustics<'_>>,
     ) {
         match self.settings.sampler {
             SamplerKind::Independent => {
-                self.run_passes::<Independent, I>(next_pass, integrator, eye, caustics);
+                self.run_passes::<Independent, I>(next_pass, integrator, eye);
             }
             SamplerKind::Sobol => {
-                self.run_passes::<Sobol, I>(next_pass, integrator, eye, caustics);
+                self.run_passes::<Sobol, I>(next_pass, integrator, eye);
             }
         }
     }
@@ -131,7 +132,6 @@ impl Rendering<'_> {
         mut next_pass: impl FnMut() -> Option<u64>,
         integrator: &I,
         eye: Eye<'_>,
-        caustics: Option<Caustics<'_>>,
     ) {
         let tiles = self.film.tile_count();
         let blocks = self.film.splats().map_or(0, Splats::block_count);
@@ -144,7 +144,8 @@ impl Rendering<'_> {
                         let mut tile = self.film.tile(ticket);
                         self.render_tile::<S, I>(&mut tile, until_sample, integrator, eye);
                         self.film.publish(ticket, &tile);
-                    } else if let (Some(caustics), Some(splats)) = (&caustics, self.film.splats())
+                    } else if let (Some(caustics), Some(splats)) =
+                        (integrator.caustics(), self.film.splats())
                         && ticket < tiles + blocks
                     {
                         self.trace_light::<S>(ticket - tiles, until_sample, caustics, splats);
@@ -162,7 +163,8 @@ impl Rendering<'_> {
         }
     }
 
-    /// Traces a block of light paths until there are `until_sample` for each of its pixels.
+    /// Traces a block of light paths until there are `until_sample` for each of its pixels, or until
+    /// it is to stop.
     fn trace_light<S: Sampler>(
         &self,
         block: usize,
@@ -177,10 +179,12 @@ impl Rendering<'_> {
         let sequence = Sequence::new(settings.seed ^ ANOTHER, planned.div_ceil(Caustics::EVERY));
         let (mut rays, mut found) = (0, Vec::new());
         let mut sample = shown.next_sample(block);
-        while sample < until_sample {
-            let until = until_sample.min(sample + LightBlocks::SAMPLES_AT_ONCE);
+        while sample < until_sample && !self.stop.load(Ordering::Relaxed) {
+            // Samples that are told together are the same ones, wherever passes end.
+            let first = sample - sample % LIGHT_SAMPLES_AT_ONCE;
+            let until = until_sample.min(first + LIGHT_SAMPLES_AT_ONCE);
             // Pixels take turns.
-            let places = LightBlocks::tiles(settings.size, block).flat_map(|tile| pixels_of(&tile));
+            let places = shown.tiles(block).flat_map(|tile| pixels_of(&tile));
             let places = places.flat_map(|pixel @ [x, y]| {
                 let turn = morton(x, y) % Caustics::EVERY;
                 let of_pixel = |s: u64| (s + Caustics::EVERY - 1 - turn) / Caustics::EVERY;
@@ -193,7 +197,7 @@ impl Rendering<'_> {
             let (splats, bad): (Vec<Splat>, Vec<Splat>) =
                 found.drain(..).partition(|splat| splat.value.is_finite());
             for splat in bad {
-                self.film.drop_sample(splat.pixel, sample);
+                self.film.drop_sample(splat.pixel, first);
             }
             shown.add(block, until, paths, &splats);
             sample = until;
@@ -256,46 +260,6 @@ fn pixels_of(area: &Crop) -> impl Iterator<Item = [u32; 2]> + use<> {
     let side = width.max(height).next_power_of_two();
     let places = (0..side * side).map(from_morton);
     places.filter(move |&[i, j]| i < width && j < height).map(move |[i, j]| [x + i, y + j])
-}
-
-/// How the picture's light paths, one for each sample of each pixel, are shared out: in runs of
-/// square tiles, of the whole picture, for wherever a path starts it may come down in any crop.
-pub(crate) struct LightBlocks;
-
-impl LightBlocks {
-    /// Side of a tile in pixels.
-    const TILE: u32 = 64;
-    /// With so many samples a tile has four thousand light paths on their way together: many, so
-    /// that eight can go together for long.
-    const SAMPLES_AT_ONCE: u64 = 16;
-    /// In larger pictures blocks have more tiles.
-    const MOST: u64 = 1 << 16;
-
-    fn tile_grid(size: [u32; 2]) -> [u64; 2] {
-        size.map(|side| u64::from(side.div_ceil(Self::TILE)))
-    }
-
-    fn tiles_each(size: [u32; 2]) -> u64 {
-        let [columns, rows] = Self::tile_grid(size);
-        (columns * rows).div_ceil(Self::MOST)
-    }
-
-    /// How many blocks a picture has.
-    pub(crate) fn count(size: [u32; 2]) -> usize {
-        let [columns, rows] = Self::tile_grid(size);
-        (columns * rows).div_ceil(Self::tiles_each(size)) as usize
-    }
-
-    /// The tiles of a block.
-    fn tiles(size: [u32; 2], block: usize) -> impl Iterator<Item = Crop> {
-        let ([columns, rows], each) = (Self::tile_grid(size), Self::tiles_each(size));
-        let first = block as u64 * each;
-        (first..(first + each).min(columns * rows)).map(move |tile| {
-            let [x, y] = [tile % columns, tile / columns].map(|t| t as u32 * Self::TILE);
-            let [width, height] = size;
-            Crop { x, y, width: Self::TILE.min(width - x), height: Self::TILE.min(height - y) }
-        })
-    }
 }
 
 /// Where the paths of up to eight samples of pixels start, and how much each counts.

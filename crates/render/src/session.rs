@@ -5,7 +5,7 @@
 //! of samples. Where a session was interrupted or continued leaves no trace
 //! in the picture.
 
-use crate::cpu::{Counters, LightBlocks, Rendering};
+use crate::cpu::{Counters, Rendering};
 use crate::film::{Dropped, Film, Splats};
 use crate::image::Image;
 use crate::prepare::Prepared;
@@ -82,14 +82,9 @@ impl Session {
     ) -> Result<Self, SceneProblem> {
         settings.validate()?;
         let window = settings.window();
-        let splats = scene.casting().filter(|_| settings.traces_light()).map(|casting| {
-            Splats::new(
-                window,
-                settings.size,
-                casting.brightest(),
-                LightBlocks::count(settings.size),
-            )
-        });
+        let casting = scene.casting().filter(|_| settings.traces_light());
+        let planned = settings.planned_spp.unwrap_or(settings.spp);
+        let splats = casting.map(|c| Splats::new(window, settings.size, c.brightest, planned));
         let shared = Arc::new(Shared {
             film: Film::new(window, settings.learns(), splats),
             state: Mutex::new(State {

@@ -9,6 +9,7 @@ use rutilant::color::Rgb;
 use rutilant::film::Filter;
 use rutilant::geom::{Transform, Vec2, Vec3};
 use rutilant::image::Image;
+use rutilant::light::Environment;
 use rutilant::material::{Absorption, Dielectric, Emission, Matte, Mirror};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{Crop, SamplerKind, Settings, Strategy};
@@ -39,7 +40,8 @@ fn floor_and_lamp(camera: Camera, radiance: Rgb, z: f32, side: f32) -> Scene {
     scene
 }
 
-/// Cameras that see nothing but the floor behind the lamp.
+/// Cameras that see nothing but the floor behind the lamp; of a map of everything around, in its
+/// middle.
 fn cameras() -> Vec<Camera> {
     let (eye, target) = (Vec3::new(0.1, 1.0, 1.1), Vec3::new(0.0, 0.0, 0.9));
     let mut perspective = Perspective::look_at(eye, target, 0.6).unwrap();
@@ -58,7 +60,6 @@ fn cameras() -> Vec<Camera> {
 fn a_mirror_lights_as_the_image_in_it() {
     for camera in cameras() {
         let all_around = matches!(camera, Camera::Equirectangular(_));
-        // Of a panorama the middle shows that floor.
         let crop = all_around.then_some(Crop { x: 28, y: 14, width: 8, height: 4 });
         let (size, spp) = if all_around { ([64, 32], 32_768) } else { ([16, 12], 65_536) };
         for filter in
@@ -198,6 +199,69 @@ fn a_small_crop_is_told_what_it_costs() {
         scene.notes_for(&settings).len()
     };
     assert_eq!([notes(20, true), notes(20, false), notes(40, true)], [1, 0, 0]);
+}
+
+/// The glass ball and its floor, under a sky map with a small sun or under a lamp as large as that in
+/// the sky, `distance` metres away, with a floor of this side.
+fn lit_from_afar(distance: Option<f32>, side: f32) -> Scene {
+    let mut scene = ball_of_glass();
+    scene.objects.retain(|object| object.material != MaterialId(2));
+    let floor = Object::new(rectangle(side), MaterialId(0));
+    scene.objects[0] = floor.transformed(&Transform::rotate(Vec3::X, -FRAC_PI_2));
+    if let Some(distance) = distance {
+        let towards = Vec3::new(-0.36, 0.8, -0.48) * distance;
+        let lamp = Shape::Sphere { radius: 0.05 * distance };
+        put(&mut scene, lamp, MaterialId(2), Transform::translate(towards));
+    } else {
+        let pixel = |i| if (20..22).contains(&(i % 64)) && i / 64 == 6 { 60.0 } else { 0.05 };
+        let pixels: Vec<[f32; 3]> = (0..64 * 32).map(|i| [pixel(i); 3]).collect();
+        let map = scene.add_image(Image::from_rgb(64, 32, &pixels).unwrap());
+        scene.environment = Some(Environment::image(map));
+    }
+    scene
+}
+
+/// Light from far away, by the numbers that a single-precision place has there, throws the caustic
+/// that it throws from near by; under a sky map the floor may be as large as a country.
+#[test]
+fn light_from_far_away_throws_the_same_caustic() {
+    let found = |distance, side| {
+        mean(
+            &render(&lit_from_afar(distance, side), Settings { size: [24, 24], ..small(4096) }),
+            "G",
+        )
+    };
+    let lamp = found(Some(100.0), 40.0);
+    for distance in [1e5, 1e7, 1e9] {
+        assert_near(found(Some(distance), 40.0), lamp, &format!("{distance} m"));
+    }
+    let sky = found(None, 40.0);
+    for side in [1e3, 1e6] {
+        assert_near(found(None, side), sky, &format!("a floor of {side} m"));
+    }
+}
+
+/// Two means with their errors are the same, to a part in two hundred.
+fn assert_near((a, a_error): (f64, f64), (b, b_error): (f64, f64), what: &str) {
+    let error = (a_error * a_error + b_error * b_error).sqrt();
+    assert!(error < 0.002 * b, "{what}: too noisy to tell: {a} for {b} ± {error}");
+    assert!((a - b).abs() < 3.5 * error, "{what}: {a} for {b} ± {error}");
+}
+
+/// Beside a tiny lamp of enormous radiance, as people make point lights, the sums of light paths
+/// are still fine enough for the light of the others: rounding makes no sparks.
+#[test]
+fn a_tiny_lamp_leaves_the_others_their_caustics() {
+    let brightest = |scene: &Scene| {
+        let image = render(scene, Settings { size: [24, 24], ..small(256) });
+        image.channel("G").unwrap().iter().copied().fold(0.0, f32::max)
+    };
+    let mut scene = ball_of_glass();
+    let alone = brightest(&scene);
+    let tiny = scene.add_material(Emission::radiance(Rgb::grey(2e12)));
+    put(&mut scene, Shape::Sphere { radius: 1e-8 }, tiny, at(0.5, 1.5, -0.3));
+    let both = brightest(&scene);
+    assert!(both < 2.0 * alone, "{both} {alone}");
 }
 
 /// A ball of dark glass just touches the middle of a lamp's beam. It is not taken to be around the

@@ -288,6 +288,11 @@ impl Bsdf {
         self.lobes().count() > usize::from(self.spread)
     }
 
+    /// How often [`sample`](Self::sample) scatters into a single direction.
+    pub(crate) fn delta_pmf(&self) -> f32 {
+        self.lobes().filter(|l| l.lobe.is_delta()).map(|l| l.pmf).sum()
+    }
+
     /// True when what [`sample`](Self::sample) gives depends on `choice`.
     pub(crate) fn chooses(&self) -> bool {
         self.chooses

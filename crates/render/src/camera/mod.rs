@@ -158,6 +158,15 @@ impl PreparedCamera {
         }
     }
 
+    /// Whether its picture is a map of all directions, whose edges join: left and right, and over
+    /// the poles.
+    pub(crate) fn sees_all_around(&self) -> bool {
+        match self {
+            Self::Perspective(_) | Self::Orthographic(_) => false,
+            Self::Equirectangular(_) => true,
+        }
+    }
+
     /// Where `point` is seen, through the point of the lens that `u` stands for: there
     /// [`ray`](Self::ray) sees it. `None` behind the camera.
     pub(crate) fn seen(&self, point: Vec3, u: Vec2) -> Option<Seen> {

@@ -9,6 +9,7 @@
 //! SIGGRAPH 1988; Harris, "On the Use of Windows for Harmonic Analysis",
 //! Proc. IEEE 66(1), 1978.
 
+use crate::math::distribution::choose;
 use crate::problem::{Place, SceneProblem};
 use fearless_simd::{Simd, f32x8};
 use rutilant_geom::lanes::LANES;
@@ -199,10 +200,26 @@ impl FilterSampler {
     /// Chooses, by `u` in [0, 1)², one of the pixels whose filters see a point of the film: its
     /// column and row, which may lie outside the picture, and what a sample of that point counts
     /// for it, so that all pixels together get what their filters say. `None` between filters
-    /// that do not cover the film.
-    pub(crate) fn pixel_of(&self, film: Vec2, u: Vec2) -> Option<([i64; 2], f32)> {
-        let ((x, wx), (y, wy)) = (self.pixel_along(film.x, u.x)?, self.pixel_along(film.y, u.y)?);
-        Some(([x, y], wx * wy))
+    /// that do not cover the film. Of a `map` of all directions, of so many pixels, filters look
+    /// over the edges: into the column on the other side, and over the poles.
+    pub(crate) fn pixel_of(
+        &self,
+        film: Vec2,
+        map: Option<[u32; 2]>,
+        u: Vec2,
+    ) -> Option<([i64; 2], f32)> {
+        let (mut y, wy) = self.pixel_along(film.y, u.y)?;
+        let Some([width, height]) = map.map(|size| size.map(i64::from)) else {
+            let (x, wx) = self.pixel_along(film.x, u.x)?;
+            return Some(([x, y], wx * wy));
+        };
+        // Beyond a pole lies the meridian on the other side, on the way back.
+        y = y.rem_euclid(2 * height);
+        let beyond = y >= height;
+        let across = if beyond { 0.5 * width as f32 } else { 0.0 };
+        let (x, wx) = self.pixel_along(film.x + across, u.x)?;
+        let row = if beyond { 2 * height - 1 - y } else { y };
+        Some(([x.rem_euclid(width), row], wx * wy))
     }
 
     fn pixel_along(&self, at: f32, u: f32) -> Option<(i64, f32)> {
@@ -212,15 +229,9 @@ impl FilterSampler {
             (0..count).map(|i| (first + i as f32, self.value(at - (first + i as f32 + 0.5))))
         };
         let total: f32 = values().map(|(_, value)| value.abs()).sum();
-        let (mut left, mut chosen) = (u * total, None);
-        for (pixel, value) in values().filter(|(_, value)| *value != 0.0) {
-            chosen = Some((pixel as i64, total.copysign(value)));
-            if left < value.abs() {
-                break;
-            }
-            left -= value.abs();
-        }
-        chosen
+        let choices = values().map(|(pixel, value)| ((pixel, value), value.abs()));
+        let (pixel, value) = choose(choices, u * total)?;
+        Some((pixel as i64, total.copysign(value)))
     }
 
     /// The filter along one axis as it is drawn from, `x` pixels from the centre, with an integral
@@ -249,6 +260,7 @@ impl FilterSampler {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::lat_long;
 
     const ALL: [Filter; 7] = [
         Filter::Box { radius: 0.5 },
@@ -332,6 +344,52 @@ mod tests {
                     let error = (counted - expected).abs() / most;
                     assert!(error < 0.01, "{filter:?} at {at}, {pixel}: {counted} for {expected}");
                 }
+            }
+        }
+    }
+
+    /// On a map of all directions filters see over the edges: a point counts for a pixel what its
+    /// filter says of all places at which the map, were it to go on, shows the same direction.
+    #[test]
+    fn edges_of_maps_join() {
+        let filter = Filter::Mitchell { radius: 2.5, b: 0.3, c: 0.3 };
+        let sampler = FilterSampler::new(&filter);
+        for size @ [width, height] in [[6_u32, 3_u32], [7, 4], [2, 1]] {
+            let [w, h] = size.map(|side| side as f32);
+            for at in
+                [Vec2::new(0.2, 0.3), Vec2::new(w - 0.1, 0.6 * h), Vec2::new(0.6 * w, h - 0.9)]
+            {
+                let direction = |film: Vec2| lat_long::direction_from_uv(film / Vec2::new(w, h));
+                let turns =
+                    || (-4..=4).flat_map(|i| (-4..=4).map(move |j| Vec2::new(i as f32, j as f32)));
+                let places: Vec<Vec2> = turns()
+                    .flat_map(|turn| {
+                        let over = Vec2::new(at.x + 0.5 * w, -at.y);
+                        [at, over].map(|place| place + turn * Vec2::new(w, 2.0 * h))
+                    })
+                    .collect();
+                assert!(places.iter().all(|p| direction(*p).distance(direction(at)) < 1e-4));
+                let mut counts = std::collections::BTreeMap::new();
+                let n = 1 << 9;
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    let u = Vec2::new(i as f32 + 0.5, j as f32 + 0.5) / n as f32;
+                    if let Some((pixel, weight)) = sampler.pixel_of(at, Some(size), u) {
+                        *counts.entry(pixel).or_insert(0.0) += f64::from(weight) / f64::from(n * n);
+                    }
+                }
+                for pixel @ [x, y] in (0..width).flat_map(|x| (0..height).map(move |y| [x, y])) {
+                    let middle = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                    let value =
+                        |p: &Vec2| sampler.value(p.x - middle.x) * sampler.value(p.y - middle.y);
+                    let expected: f32 = places.iter().map(value).sum();
+                    let counted = counts.remove(&pixel.map(i64::from)).unwrap_or(0.0);
+                    let error = counted - f64::from(expected);
+                    assert!(
+                        error.abs() < 0.01,
+                        "{size:?} {at} {pixel:?}: {counted} for {expected}"
+                    );
+                }
+                assert!(counts.is_empty(), "{counts:?}");
             }
         }
     }

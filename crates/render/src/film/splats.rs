@@ -9,9 +9,19 @@ use super::crop::Crop;
 use crate::color::Spectrum;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 
-/// So many parts make what the brightest light gives in one sample: 2⁻³⁶ of that is lost in
-/// rounding, and a pixel has room for 2²⁷ samples of it.
-const PARTS: f64 = (1_u64 << 36) as f64;
+/// Side, in pixels, of the tiles that light paths are shared out in.
+const TILE: u32 = 64;
+
+/// More blocks of tiles than this there are not; in larger pictures they have more tiles.
+const MOST_BLOCKS: u64 = 1 << 16;
+
+/// So many parts make what the brightest light gives in all samples of a pixel: eight times as
+/// many have room.
+const PARTS_IN_ALL: f64 = (1_u64 << 60) as f64;
+
+/// So many samples have room at least; no more are counted on, for what they give to be whole
+/// numbers of parts still.
+const SAMPLES: [u64; 2] = [1 << 16, 1 << 24];
 
 /// What one light path brings to one pixel.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +38,10 @@ pub(crate) struct Splat {
 #[derive(Debug)]
 pub(crate) struct Splats {
     window: Crop,
-    /// Pixels of the whole picture.
-    pixels: u64,
+    /// Of the whole picture, in pixels.
+    size: [u32; 2],
+    /// So many parts make what the brightest light gives in one sample.
+    most: f64,
     /// A value as a number of parts.
     parts: f64,
     /// Light paths that were traced.
@@ -55,13 +67,17 @@ pub(super) struct Added {
 
 impl Splats {
     /// None yet, for the `window` of a picture of `size` pixels, from lights of no more radiance
-    /// than `brightest`. Light paths are traced in so many `blocks`.
-    pub(crate) fn new(window: Crop, size: [u32; 2], brightest: f32, blocks: usize) -> Self {
+    /// than `brightest`, when so many samples of each pixel are planned.
+    pub(crate) fn new(window: Crop, size: [u32; 2], brightest: f32, planned: u64) -> Self {
+        let most = PARTS_IN_ALL / planned.clamp(SAMPLES[0], SAMPLES[1]) as f64;
         let pixels = window.width as usize * window.height as usize;
+        let [columns, rows] = tile_grid(size);
+        let blocks = (columns * rows).div_ceil(tiles_each(size)) as usize;
         Self {
             window,
-            pixels: size.into_iter().map(u64::from).product(),
-            parts: PARTS / f64::from(brightest),
+            size,
+            most,
+            parts: most / f64::from(brightest),
             paths: AtomicU64::new(0),
             blocks: std::iter::repeat_with(AtomicU64::default).take(blocks).collect(),
             sums: std::iter::repeat_with(Sums::default).take(pixels).collect(),
@@ -73,6 +89,17 @@ impl Splats {
         self.blocks.len()
     }
 
+    /// The tiles of a block: a run of those of the whole picture, for wherever a path starts it may
+    /// come down in any window.
+    pub(crate) fn tiles(&self, block: usize) -> impl Iterator<Item = Crop> {
+        let ([columns, rows], each) = (tile_grid(self.size), tiles_each(self.size));
+        let (first, [width, height]) = (block as u64 * each, self.size);
+        (first..(first + each).min(columns * rows)).map(move |tile| {
+            let [x, y] = [tile % columns, tile / columns].map(|t| t as u32 * TILE);
+            Crop { x, y, width: TILE.min(width - x), height: TILE.min(height - y) }
+        })
+    }
+
     /// The first sample that a block still lacks.
     pub(crate) fn next_sample(&self, block: usize) -> u64 {
         self.blocks[block].load(Ordering::Relaxed)
@@ -82,8 +109,8 @@ impl Splats {
     pub(crate) fn shows(&self, [x, y]: [i64; 2]) -> Option<[u32; 2]> {
         let Crop { x: left, y: top, width, height } = self.window;
         let inside = |at: i64, first: u32, count: u32| {
-            let within = at - i64::from(first);
-            (0..i64::from(count)).contains(&within).then_some(at as u32)
+            let (first, count) = (i64::from(first), i64::from(count));
+            (first..first + count).contains(&at).then_some(at as u32)
         };
         Some([inside(x, left, width)?, inside(y, top, height)?])
     }
@@ -98,7 +125,7 @@ impl Splats {
             for ((sum, square), v) in sums.values.iter().zip(&sums.squares).zip(value.channels()) {
                 let parts = f64::from(v) * self.parts;
                 sum.fetch_add((parts + rounding).floor() as i64, Ordering::Relaxed);
-                let squared = parts * (parts / PARTS);
+                let squared = parts * (parts / self.most);
                 square.fetch_add((squared + rounding).floor() as u64, Ordering::Relaxed);
             }
         }
@@ -115,17 +142,26 @@ impl Splats {
     pub(super) fn added(&self, index: usize) -> Added {
         let paths = self.paths.load(Ordering::Relaxed).max(1) as f64;
         let Sums { values, squares } = &self.sums[index];
-        let per_path = self.pixels as f64 / self.parts;
+        let pixels: f64 = self.size.into_iter().map(f64::from).product();
+        let per_path = pixels / self.parts;
         let sum = |c: usize| values[c].load(Ordering::Relaxed) as f64 * per_path;
         Added {
             mean: std::array::from_fn(|c| sum(c) / paths),
             variance: std::array::from_fn(|c| {
-                let squares = squares[c].load(Ordering::Relaxed) as f64 * PARTS;
+                let squares = squares[c].load(Ordering::Relaxed) as f64 * self.most;
                 let spread = squares * per_path * per_path - sum(c) * sum(c) / paths;
                 spread.max(0.0) / (paths * (paths - 1.0).max(1.0))
             }),
         }
     }
+}
+
+fn tile_grid(size: [u32; 2]) -> [u64; 2] {
+    size.map(|side| u64::from(side.div_ceil(TILE)))
+}
+
+fn tiles_each(size: [u32; 2]) -> u64 {
+    tile_grid(size).into_iter().product::<u64>().div_ceil(MOST_BLOCKS)
 }
 
 #[cfg(test)]
@@ -145,7 +181,7 @@ mod tests {
             })
             .collect();
         let all = |order: &mut dyn Iterator<Item = Splat>| {
-            let sums = Splats::new(window, [10, 10], 1.0, 1);
+            let sums = Splats::new(window, [10, 10], 1.0, 64);
             let splats: Vec<Splat> = order.collect();
             splats.chunks(100).for_each(|some| sums.add(0, 1, some.len() as u64, some));
             sums

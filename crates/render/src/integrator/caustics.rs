@@ -24,11 +24,11 @@ use crate::follow::transmittance;
 use crate::interaction::SurfaceInteraction;
 use crate::light::{EmitterSample, Glow};
 use crate::medium::Media;
-use crate::prepare::{Casting, Outlook, Prepared, PreparedMaterial};
+use crate::prepare::{Aim, Casting, Outlook, Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
 use crate::settings::Roulette;
 use rutilant_geom::lanes::LANES;
-use rutilant_geom::{Hit, Ray, RayPacket, Vec2, Vec3, offset_origin};
+use rutilant_geom::{Hit, Ray, RayPacket, Vec2, Vec3, offset_end, offset_origin};
 
 /// How light paths and paths from the camera share caustics.
 #[derive(Clone, Copy)]
@@ -37,6 +37,8 @@ pub(crate) struct Caustics<'a> {
     camera: &'a PreparedCamera,
     casting: &'a Casting,
     filter: &'a FilterSampler,
+    /// The size in pixels of a picture whose edges join.
+    map: Option<[u32; 2]>,
     /// Of the whole picture.
     pixels: f32,
     /// Light paths for each sample of all pixels, as far as pixels see where they come down.
@@ -49,8 +51,11 @@ pub(crate) struct Caustics<'a> {
 /// A light path on its way.
 struct LightPath<S> {
     ray: Ray,
+    /// The number of the light, and the place on it; the sky has none.
+    emitter: usize,
+    from: Option<Outlook>,
     /// Light sent along it over the density with which it was chosen, per projected area and solid
-    /// angle.
+    /// angle; until it first meets something only the light.
     weight: Spectrum,
     /// That density, as it is here.
     density: f32,
@@ -60,23 +65,6 @@ struct LightPath<S> {
     depth: u32,
     media: Media,
     sampler: S,
-}
-
-impl<S> LightPath<S> {
-    /// `None` where it could not have been chosen.
-    fn new(ray: Ray, radiance: Spectrum, density: f32, media: Media, sampler: S) -> Option<Self> {
-        let (left, depth) = (Spectrum::WHITE, 0);
-        let weight = radiance / density;
-        (density > 0.0 && density.is_finite()).then_some(Self {
-            ray,
-            weight,
-            density,
-            left,
-            depth,
-            media,
-            sampler,
-        })
-    }
 }
 
 /// What would come to the camera if nothing were in its way.
@@ -102,13 +90,15 @@ impl<'a> Caustics<'a> {
         let casting = scene.casting()?;
         let pixels: f32 = size.into_iter().map(|side| side as f32).product();
         let paths = filter.coverage() * pixels / Self::EVERY as f32;
-        Some(Self { scene, camera, casting, filter, pixels, paths, max_depth, roulette })
+        let map = camera.sees_all_around().then_some(size);
+        Some(Self { scene, camera, casting, filter, map, pixels, paths, max_depth, roulette })
     }
 
     /// How dense light paths are at the surface `at`, which a path from the camera saw over
     /// `distance` metres and left along `wi` with density `pdf`, in units of that path's own
     /// density: for each unit of density, per projected area and solid angle, with which they set
-    /// out. 0 where light paths do not look.
+    /// out. 0 where light paths do not look; no number, or without end, where the camera sees no
+    /// area.
     ///
     /// The path takes this along. Clear surfaces change it only by [`SurfaceInteraction::squeeze`]
     /// and by the squares of their indices, and where it ends on a light, [`share`](Self::share)
@@ -127,50 +117,45 @@ impl<'a> Caustics<'a> {
         self.paths * normal.dot(wi).abs() / seen
     }
 
-    /// The share that a path from the camera has in light that it met along `direction`, after a
-    /// chain of clear surfaces, at `position` on the emitter of this number. `lead` is what the
-    /// path brought along. Of the sky, `position` is any point on the ray.
+    /// The share that a path from the camera has in light that it met along `ray`, after a chain of
+    /// clear surfaces, at `position` on the emitter of this number; of the sky neither `position` nor
+    /// `normal` is looked at. `lead` is what the path brought along.
     pub(super) fn share(
         &self,
         lead: f32,
         emitter: usize,
         position: Vec3,
         normal: Vec3,
-        direction: Vec3,
+        ray: &Ray,
     ) -> f32 {
-        let density = match self.scene.emitters()[emitter].glow() {
-            Some(Glow { two_sided, .. }) => {
-                let from = Outlook { position, normal, two_sided: *two_sided };
-                self.density(emitter, &from, -direction)
-            }
-            None => self.sky_density(position, direction),
-        };
-        if density > 0.0 { 1.0 / (1.0 + lead * density) } else { 1.0 }
+        let glow = self.scene.emitters()[emitter].glow();
+        let from = glow.map(|&Glow { two_sided, .. }| Outlook { position, normal, two_sided });
+        let others = lead * self.density(emitter, from.as_ref(), -ray.direction, ray.origin);
+        // Where numbers end, no light path starts.
+        if others.is_finite() { 1.0 / (1.0 + others) } else { 1.0 }
     }
 
-    /// The density of light paths, per projected area and solid angle, where they leave a lamp.
-    fn density(&self, emitter: usize, from: &Outlook, direction: Vec3) -> f32 {
-        let (_, sky_pmf) = self.casting.sky().unwrap_or((0, 0.0));
-        let pmf = (1.0 - sky_pmf) * self.casting.lamps().pmf(from.position, emitter);
+    /// The density, per projected area and solid angle, of light paths that leave a lamp, or the sky,
+    /// along the unit vector `direction` and first meet something at `point`.
+    fn density(&self, emitter: usize, from: Option<&Outlook>, direction: Vec3, point: Vec3) -> f32 {
+        let Casting { casters, lamps, .. } = self.casting;
+        let sky_pmf = self.casting.sky().map_or(0.0, |(_, pmf)| pmf);
+        let light = &self.scene.emitters()[emitter];
+        let Some(from) = from else {
+            // The sky has no place and no normal.
+            let pdf = light.pdf(point, -direction, point, direction);
+            return sky_pmf * pdf * casters.pdf_from_sky(-direction, point);
+        };
+        let pmf = (1.0 - sky_pmf) * lamps.pmf(from.position, emitter);
         if pmf == 0.0 {
             return 0.0;
         }
-        let pdf_area = pmf / self.scene.emitters()[emitter].area();
-        pdf_area * self.casting.casters().pdf(from, direction) / from.normal.dot(direction).abs()
+        let towards = casters.pdf(from, direction, point) / from.normal.dot(direction).abs();
+        pmf / light.area() * towards
     }
 
-    /// The density of light paths that come from the sky in direction `wi`, on the line through
-    /// `point`.
-    fn sky_density(&self, point: Vec3, wi: Vec3) -> f32 {
-        self.casting.sky().map_or(0.0, |(sky, pmf)| {
-            // The sky has no place and no normal.
-            let pdf = self.scene.emitters()[sky].pdf(point, wi, point, wi);
-            pmf * pdf * self.casting.casters().pdf_disk(wi, point)
-        })
-    }
-
-    /// Traces light paths with these random numbers, and gives what they bring to the pixels that `splats`
-    /// shows. Counts the rays it traces.
+    /// Traces light paths with these random numbers, and adds to `splats` what they bring to the
+    /// pixels that are `shown`. Counts the rays it traces.
     pub(crate) fn trace<S: Sampler>(
         &self,
         samplers: impl Iterator<Item = S>,
@@ -178,10 +163,10 @@ impl<'a> Caustics<'a> {
         splats: &mut Vec<Splat>,
         rays: &mut u64,
     ) {
-        let starts = samplers.filter_map(|sampler| self.start(sampler));
-        let mut paths: Vec<LightPath<S>> = starts.collect();
+        let (mut paths, ways): (Vec<LightPath<S>>, Vec<Option<Ray>>) =
+            samplers.filter_map(|sampler| self.start(sampler)).unzip();
         // Those on their way, by number; they are too large to be moved about.
-        let mut alive: Vec<usize> = (0..paths.len()).collect();
+        let mut alive = self.free(&ways, |way| *way, rays);
         let mut arrivals = Vec::new();
         while !alive.is_empty() {
             let mut packets = Vec::with_capacity(alive.len().div_ceil(LANES));
@@ -199,62 +184,76 @@ impl<'a> Caustics<'a> {
                 place += 1;
                 hit.is_some_and(|hit| self.advance(&mut paths[path], &hit, shown, &mut arrivals))
             });
-            for some in arrivals.chunks(LANES) {
-                let mut packet = RayPacket::NONE;
-                for (lane, arrival) in some.iter().enumerate() {
-                    packet.set(lane, &arrival.shadow_ray);
-                }
-                *rays += some.len() as u64;
-                let blocked = self.scene.surfaces().occluded_packet(&packet);
-                let free = some.iter().enumerate().filter(|(lane, _)| blocked >> lane & 1 == 0);
-                splats.extend(free.map(|(_, arrival)| arrival.splat));
-            }
+            let seen = self.free(&arrivals, |arrival: &Arrival| Some(arrival.shadow_ray), rays);
+            splats.extend(seen.into_iter().map(|i| arrivals[i].splat));
             arrivals.clear();
         }
     }
 
-    /// Sends a path from a light towards something that throws its light on.
-    fn start<S: Sampler>(&self, sampler: S) -> Option<LightPath<S>> {
+    /// The numbers of those `items` whose `way` nothing blocks, or that have none. Counts the rays it
+    /// traces.
+    fn free<T>(&self, items: &[T], way: impl Fn(&T) -> Option<Ray>, rays: &mut u64) -> Vec<usize> {
+        let mut free = Vec::with_capacity(items.len());
+        for (some, first) in items.chunks(LANES).zip((0..).step_by(LANES)) {
+            let mut packet = RayPacket::NONE;
+            for (lane, item) in some.iter().enumerate() {
+                if let Some(ray) = way(item) {
+                    packet.set(lane, &ray);
+                    *rays += 1;
+                }
+            }
+            let blocked = self.scene.surfaces().occluded_packet(&packet);
+            free.extend((0..some.len()).filter(|lane| blocked >> lane & 1 == 0).map(|i| first + i));
+        }
+        free
+    }
+
+    /// Sends a path from a light towards something that throws its light on: with a ray for what it
+    /// has behind it before it sets out, where it starts far from the light.
+    fn start<S: Sampler>(&self, sampler: S) -> Option<(LightPath<S>, Option<Ray>)> {
         let mut u = sampler.d1(light_path::LAMP);
         let choice = sampler.d1(light_path::CASTER);
+        let [place, aim] = [light_path::POINT, light_path::DIRECTION].map(|d| sampler.d2(d));
+        let path = |emitter, from, radiance, ray, left, media| LightPath {
+            ray,
+            emitter,
+            from,
+            weight: radiance,
+            density: 0.0,
+            left,
+            depth: 0,
+            media,
+            sampler,
+        };
+        let casters = &self.casting.casters;
         if let Some((sky, pmf)) = self.casting.sky() {
             if u < pmf {
-                return self.start_from_sky(sky, choice, sampler);
+                let EmitterSample { wi, radiance, .. } =
+                    self.scene.emitters()[sky].sample(Vec3::ZERO, place)?;
+                let Aim { entry, direction } = casters.aim_from_sky(wi, choice, aim)?;
+                let ray = Ray::new(entry?, direction);
+                let path = path(sky, None, radiance, ray, Spectrum::WHITE, Media::NONE);
+                return Some((path, Some(Ray::new(ray.origin, wi))));
             }
             // What is left is as good as new.
             u = (u - pmf) / (1.0 - pmf);
         }
-        let (lamp, _) = self.casting.lamps().select(Vec3::ZERO, u)?;
+        let (lamp, _) = self.casting.lamps.select(Vec3::ZERO, u)?;
         let emitter = &self.scene.emitters()[lamp];
         let Glow { radiance, two_sided } = *emitter.glow()?;
-        let point = emitter.point(sampler.d2(light_path::POINT))?;
+        let point = emitter.point(place)?;
         let from = Outlook { position: point.position, normal: point.normal, two_sided };
-        let u = sampler.d2(light_path::DIRECTION);
-        let direction = self.casting.casters().sample(&from, choice, u)?;
+        let Aim { entry, direction } = casters.aim(&from, choice, aim)?;
         if !two_sided && from.normal.dot(direction) <= 0.0 {
             return None;
         }
-        let ray = Ray::new(offset_origin(from.position, from.normal, direction), direction);
-        let density = self.density(lamp, &from, direction);
-        LightPath::new(ray, radiance, density, self.casting.media(lamp as u32), sampler)
-    }
-
-    /// The same from the sky.
-    fn start_from_sky<S: Sampler>(
-        &self,
-        sky: usize,
-        choice: f32,
-        sampler: S,
-    ) -> Option<LightPath<S>> {
-        let EmitterSample { wi, radiance, .. } =
-            self.scene.emitters()[sky].sample(Vec3::ZERO, sampler.d2(light_path::POINT))?;
-        let u = sampler.d2(light_path::DIRECTION);
-        let point = self.casting.casters().sample_disk(wi, choice, u);
-        let density = self.sky_density(point, wi);
-        // From outside of everything.
-        let (middle, radius) = (self.scene.report().bounds.center(), self.scene.radius());
-        let origin = point + wi * (2.0 * radius + middle.distance(point));
-        LightPath::new(Ray::new(origin, -wi), radiance, density, Media::NONE, sampler)
+        let media = self.casting.media(lamp as u32);
+        let way =
+            entry.map(|entry| Ray::between(entry, offset_end(from.position, from.normal, entry)));
+        let origin = entry.unwrap_or_else(|| offset_origin(from.position, from.normal, direction));
+        let left = transmittance(media.absorption, from.position.distance(origin));
+        let path = path(lamp, Some(from), radiance, Ray::new(origin, direction), left, media);
+        Some((path, way))
     }
 
     /// Takes a path to where it `hit` something, notes what arrives at the camera from there, and
@@ -270,6 +269,15 @@ impl<'a> Caustics<'a> {
         let material = self.scene.material(&at);
         let (wo, from_front) = (at.wo_local(), at.wo_local().z > 0.0);
         path.depth += 1;
+        if path.depth == 1 {
+            path.density =
+                self.density(path.emitter, path.from.as_ref(), path.ray.direction, hit.position);
+            // One that could not have been chosen.
+            if !(path.density > 0.0 && path.density.is_finite()) {
+                return false;
+            }
+            path.weight = path.weight / path.density;
+        }
         if let Some(border) = &material.border {
             path.media.arrive_declared(border, from_front);
         }
@@ -328,7 +336,7 @@ impl<'a> Caustics<'a> {
             if self.camera.has_lens() { path.sampler.d2(light_path::LENS) } else { Vec2::ZERO };
         let seen = self.camera.seen(hit.position, lens)?;
         let (pixel, filtered) =
-            self.filter.pixel_of(seen.film, path.sampler.d2(light_path::PIXEL))?;
+            self.filter.pixel_of(seen.film, self.map, path.sampler.d2(light_path::PIXEL))?;
         let pixel = shown.shows(pixel)?;
 
         // The surface as the camera sees it.

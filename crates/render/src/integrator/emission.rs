@@ -44,10 +44,10 @@ impl SeenEmission {
         (!radiance.is_black()).then_some(Self { radiance, emitter, position, normal })
     }
 
-    /// The share in this light of a path from the camera, which found it along `direction`; light
+    /// The share in this light of a path from the camera, which found it along `ray`; light
     /// paths find the rest, where there is a `lead`.
-    pub(super) fn caustic_share(&self, caustics: &Caustics<'_>, lead: f32, direction: Vec3) -> f32 {
-        caustics.share(lead, self.emitter, self.position, self.normal, direction)
+    pub(super) fn caustic_share(&self, caustics: &Caustics<'_>, lead: f32, ray: &Ray) -> f32 {
+        caustics.share(lead, self.emitter, self.position, self.normal, ray)
     }
 
     /// The density, in 1/sr, with which light sampling at `from` would have chosen `wi`.

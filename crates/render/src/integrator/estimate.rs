@@ -1,5 +1,6 @@
 //! What every integrator does.
 
+use super::caustics::Caustics;
 use super::packet::Starts;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
@@ -66,5 +67,10 @@ pub(crate) trait Integrator: Sync {
         rays: &mut u64,
     ) -> (Spectrum, f32) {
         (self.radiance(scene, ray, sampler, rays), 0.0)
+    }
+
+    /// How light paths share the work, if they do.
+    fn caustics(&self) -> Option<&Caustics<'_>> {
+        None
     }
 }

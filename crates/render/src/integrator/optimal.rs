@@ -5,6 +5,7 @@
 //!
 //! Not for few samples: there is little to learn from. See `control.rs`.
 
+use super::caustics::Caustics;
 use super::control::FirstSurface;
 use super::estimate::Integrator;
 use super::path::Path;
@@ -38,6 +39,10 @@ impl Integrator for Optimal<'_> {
         let mut control = FirstSurface::new();
         let radiance = self.0.trace(scene, ray, sampler, rays, &mut control);
         (radiance, control.value)
+    }
+
+    fn caustics(&self) -> Option<&Caustics<'_>> {
+        self.0.caustics()
     }
 }
 

@@ -69,6 +69,10 @@ impl Integrator for Path<'_> {
                 true
             }, else false)
     }
+
+    fn caustics(&self) -> Option<&Caustics<'_>> {
+        self.caustics.as_ref()
+    }
 }
 
 impl Path<'_> {
@@ -94,13 +98,13 @@ impl Path<'_> {
 
         for depth in 1..=self.max_depth {
             // Find the next surface, or leave the scene, and lose what the media on the way take.
-            let direction = ray.direction;
+            let sent = ray;
             let mut made = None;
             let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |glowing| {
                 if let Some(emission) = SeenEmission::of_surface(scene, glowing.at) {
                     let previous = previous.as_ref().filter(|_| !glowing.beyond_passed);
                     control.carries(throughput * glowing.through);
-                    let seen = self.weighted(scene, &emission, direction, previous, 0.0, control);
+                    let seen = self.weighted(scene, &emission, &sent, previous, 0.0, control);
                     radiance += throughput * glowing.through * seen;
                 }
             });
@@ -114,7 +118,7 @@ impl Path<'_> {
                 if let Some(sky) = SeenEmission::of_sky(scene, &ray) {
                     let (previous, lead) = (previous.as_ref(), lead / density_gain);
                     radiance +=
-                        throughput * self.weighted(scene, &sky, direction, previous, lead, control);
+                        throughput * self.weighted(scene, &sky, &sent, previous, lead, control);
                 }
                 break;
             };
@@ -124,8 +128,8 @@ impl Path<'_> {
             // Light that starts here, weighted against having been chosen by light sampling.
             if let Some(emission) = SeenEmission::of_surface(scene, at) {
                 let (previous, lead) = (previous.as_ref(), lead / density_gain);
-                radiance += throughput
-                    * self.weighted(scene, &emission, direction, previous, lead, control);
+                radiance +=
+                    throughput * self.weighted(scene, &emission, &sent, previous, lead, control);
             }
             if depth == self.max_depth {
                 break;
@@ -173,25 +177,26 @@ impl Path<'_> {
         radiance
     }
 
-    /// Emission that a ray in this direction ran into, times the share that BSDF sampling has in
+    /// Emission that this ray ran into, times the share that BSDF sampling has in
     /// finding it. Without a `previous` surface that is all of it, less what light paths find where
     /// there is a `lead`.
     pub(super) fn weighted<C: Control>(
         &self,
         scene: &Prepared,
         seen: &SeenEmission,
-        direction: Vec3,
+        ray: &Ray,
         previous: Option<&Previous>,
         lead: f32,
         control: &mut C,
     ) -> Spectrum {
         let share = match previous {
             None => match &self.caustics {
-                Some(caustics) if lead > 0.0 => seen.caustic_share(caustics, lead, direction),
+                Some(caustics) if lead > 0.0 => seen.caustic_share(caustics, lead, ray),
                 _ => 1.0,
             },
             Some(p) => {
-                let light_pdf = || seen.light_pdf(scene, &self.selection, p.position, direction);
+                let light_pdf =
+                    || seen.light_pdf(scene, &self.selection, p.position, ray.direction);
                 match self.strategy {
                     Strategy::BsdfOnly => 1.0,
                     // What no light sample finds counts in full.

@@ -73,13 +73,11 @@ impl Environment {
                 if size.contains(&0) {
                     return problem("the image has no pixels".to_owned());
                 }
-                let Some(pixels) = image.rgb() else {
+                if image.rgb().is_none() {
                     return problem("the image has no channels R, G, B (or Y)".to_owned());
-                };
+                }
                 projection.charts(size).map(|_| ()).or_else(problem)?;
-                // Pixels that are no numbers give no light.
-                let sound = pixels.into_iter().flatten().filter(|c| c.is_finite());
-                let brightest = sound.fold(0.0, f32::max);
+                let brightest = brightest_pixel(image);
                 if self.scale == 1.0 && !LIGHT.contains(&brightest) {
                     let [brightest, most] = [brightest, *LIGHT.end()].map(number);
                     return problem(format!(
@@ -107,6 +105,12 @@ impl Environment {
             format!("scale is {scale}, but times {what}, {brightest}, must be at most {most}");
         Err(Place::Environment.problem("scale", what))
     }
+}
+
+/// The largest channel of any pixel; those that are no numbers give no light.
+fn brightest_pixel(image: &Image) -> f32 {
+    let channels = image.rgb().into_iter().flatten().flatten();
+    channels.filter(|c| c.is_finite()).fold(0.0, f32::max)
 }
 
 /// A sky to sample.
@@ -143,10 +147,7 @@ impl EnvironmentEmitter {
         };
         let brightest = match environment.light {
             EnvironmentLight::Constant(rgb) => Spectrum::from(rgb).max_channel(),
-            EnvironmentLight::Image { image, .. } => {
-                let pixels = images[image.0 as usize].rgb().into_iter().flatten().flatten();
-                pixels.filter(|c| c.is_finite()).fold(0.0, f32::max)
-            }
+            EnvironmentLight::Image { image, .. } => brightest_pixel(&images[image.0 as usize]),
         };
         let brightest = brightest * environment.scale;
         (Self { sky, turn: real::sin_cos(environment.rotation), brightest }, mended)

@@ -34,8 +34,8 @@ impl SphereEmitter {
 
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
         let Some(cone) = Cone::seen_from(from, &self.sphere) else {
-            let normal = warp::uniform_sphere(u);
-            return self.glow.sample_at(from, self.surface_point(normal), normal, self.area());
+            let LampPoint { position, normal } = self.point(u);
+            return self.glow.sample_at(from, position, normal, self.area());
         };
         if self.glow.radiance.is_black() {
             return None;

@@ -32,8 +32,7 @@ impl TriangleEmitter {
     }
 
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        let FlatEmitter { corners, normal, area, glow, .. } = &self.flat;
-        glow.sample_at(from, combine(*corners, warp::uniform_triangle(u)), *normal, *area)
+        self.flat.sample(from, u)
     }
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
@@ -69,8 +68,7 @@ impl ParallelogramEmitter {
     }
 
     pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        let FlatEmitter { corners, normal, area, glow, .. } = &self.flat;
-        glow.sample_at(from, combine(*corners, u), *normal, *area)
+        self.flat.sample(from, u)
     }
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
@@ -124,6 +122,11 @@ impl FlatEmitter {
     pub(super) fn point(&self, u: Vec2) -> LampPoint {
         let at = if self.is_triangle { warp::uniform_triangle(u) } else { u };
         LampPoint { position: combine(self.corners, at), normal: self.normal }
+    }
+
+    fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+        let LampPoint { position, normal } = self.point(u);
+        self.glow.sample_at(from, position, normal, self.area)
     }
 
     /// Draws ways to these lights from eight points.

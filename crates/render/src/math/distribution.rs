@@ -5,6 +5,21 @@
 
 use rutilant_geom::Vec2;
 
+/// The first of some choices whose weight, after those of all before it, exceeds `left`; the last
+/// one that weighs anything where rounding leaves none. For choices that are too few, or differ too
+/// often, for a table.
+pub(crate) fn choose<T>(choices: impl Iterator<Item = (T, f32)>, mut left: f32) -> Option<T> {
+    let mut chosen = None;
+    for (choice, weight) in choices.filter(|(_, weight)| *weight > 0.0) {
+        chosen = Some(choice);
+        if left < weight {
+            break;
+        }
+        left -= weight;
+    }
+    chosen
+}
+
 /// A density over [0, 1) with equal steps.
 #[derive(Clone, Debug)]
 pub struct Distribution1d {

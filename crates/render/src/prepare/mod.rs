@@ -6,10 +6,11 @@
 
 mod assembly;
 mod casters;
+mod casting;
 mod material;
 mod prepared;
 
-pub(crate) use casters::{Casting, Outlook};
+pub(crate) use casters::{Aim, Casting, Outlook};
 pub(crate) use material::PreparedMaterial;
 pub use prepared::{PrepareReport, Prepared};
 

@@ -1,17 +1,15 @@
 //! A scene as rays find it: what they meet, what that is made of, what gives light.
 
-use super::casters::{Casters, Casting, ball_around};
+use super::casters::Casting;
 use super::material::PreparedMaterial;
 use crate::camera::Camera;
 use crate::interaction::SurfaceInteraction;
-use crate::light::{Emitter, EmitterSelection, EnvironmentEmitter};
+use crate::light::{Emitter, EnvironmentEmitter};
 use crate::material::{CustomMaterial, SurfacePoint};
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::Note;
 use crate::settings::{IntegratorKind, Settings, Strategy};
-use rutilant_geom::{
-    Aabb, BuildReport, DVec3, Frame, Hit, Ray, Sphere, Surfaces, Vec2, Vec3, offset_origin,
-};
+use rutilant_geom::{Aabb, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -97,7 +95,7 @@ pub(super) enum ObjectEmitters {
 
 impl PreparedObject {
     #[inline(always)]
-    fn emitter_of(&self, primitive: u32) -> Option<u32> {
+    pub(super) fn emitter_of(&self, primitive: u32) -> Option<u32> {
         match self.emitters {
             ObjectEmitters::None => None,
             ObjectEmitters::One(emitter) => Some(emitter),
@@ -428,101 +426,6 @@ impl Prepared {
     /// What caustics come from, where there can be some that light paths find.
     pub(crate) fn casting(&self) -> Option<&Casting> {
         self.casting.as_ref()
-    }
-
-    /// Finds lights, and what sends light on in single directions. Nothing where surfaces do to light
-    /// what only a path from the camera knows.
-    pub(super) fn find_casting(&self) -> Option<Casting> {
-        /// A point and a direction that nothing which people place by round numbers touches.
-        const SOMEWHERE: (Vec2, Vec3) = (Vec2::new(0.37, 0.61), Vec3::new(0.31, 0.17, 1.0));
-        let (on_lamp, outward) = SOMEWHERE;
-        let casters = self.is_plain.then(|| self.casters())?;
-        if casters.is_empty() {
-            return None;
-        }
-        // Glowing borders are left out: which medium their light starts in depends on its side.
-        let mut shines = vec![false; self.emitters.len()];
-        let absorbs = |b: &Border| !(b.absorption(true) + b.absorption(false)).is_black();
-        let some_absorb = self.materials.iter().filter_map(|m| m.border).any(|b| absorbs(&b));
-        let (mut media, mut known) = (Vec::new(), vec![false; self.objects.len()]);
-        for (primitive, &number) in (0..).zip(&self.object_of_primitive) {
-            let object = &self.objects[number as usize];
-            let Some(emitter) = object.emitter_of(primitive) else { continue };
-            let lamp = &self.emitters[emitter as usize];
-            let border = self.materials[object.material as usize].border;
-            let Some(point) = lamp.point(on_lamp).filter(|_| lamp.area() > 0.0 && border.is_none())
-            else {
-                continue;
-            };
-            shines[emitter as usize] = true;
-            if some_absorb && !std::mem::replace(&mut known[number as usize], true) {
-                let origin = offset_origin(point.position, point.normal, point.normal);
-                let direction = Frame::around(point.normal).to_world(outward).normalize();
-                media.push((emitter, self.media_at(Ray::new(origin, direction))));
-            }
-        }
-        media.sort_unstable_by_key(|(emitter, _)| *emitter);
-        let lamps = EmitterSelection::of(&self.emitters, |i| shines[i]);
-        let radiance = |e: &Emitter| e.glow().map_or(0.0, |glow| glow.radiance.max_channel());
-        let brightest = self.emitters.iter().map(radiance).fold(0.0, f32::max);
-        // Of an even sky, scattered rays see more than light paths would bring.
-        let sky = self
-            .environment()
-            .filter(|(i, sky)| sky.brightest() > 0.0 && !self.emitters[*i].is_even_sky());
-        let brightest = sky.map_or(brightest, |(_, sky)| brightest.max(sky.brightest()));
-        let sky = sky.map(|(i, _)| i as u32);
-        let none = matches!(lamps, EmitterSelection::None) && sky.is_none();
-        (!none).then_some(Casting { casters, lamps, sky, media, brightest })
-    }
-
-    /// Balls around everything that sends light on in single directions.
-    fn casters(&self) -> Casters {
-        let casts =
-            |object: &PreparedObject| self.materials[object.material as usize].bsdf.has_delta();
-        if !self.objects.iter().any(casts) {
-            return Casters::default();
-        }
-        let count = self.objects.len();
-        let (mut bounds, mut reach) = (vec![Aabb::EMPTY; count], vec![0.0_f32; count]);
-        self.each_piece(|object, point, radius| {
-            let around = Sphere { center: point, radius }.bounds();
-            bounds[object] = bounds[object].union(around);
-        });
-        self.each_piece(|object, point, radius| {
-            let reach = &mut reach[object];
-            *reach = reach.max(bounds[object].center().distance(point) + radius);
-        });
-        let casters = self.objects.iter().zip(bounds).zip(reach);
-        let casters = casters.filter(|((object, _), reach)| casts(object) && *reach > 0.0);
-        Casters::around(casters.map(|((_, bounds), reach)| ball_around(&bounds, reach)).collect())
-    }
-
-    /// Tells the balls that hold all surfaces of each object, by the object's number: corners of
-    /// triangles are balls without a radius.
-    fn each_piece(&self, mut piece: impl FnMut(usize, Vec3, f32)) {
-        let mut objects = self.object_of_primitive.iter().map(|&object| object as usize);
-        let mut tell = |object: Option<usize>, center: Vec3, radius: f32| {
-            if let Some(object) = object.filter(|_| center.is_finite() && radius.is_finite()) {
-                piece(object, center, radius);
-            }
-        };
-        for triangle in self.surfaces.triangles() {
-            let object = objects.next();
-            for &vertex in triangle {
-                tell(object, self.surfaces.positions()[vertex as usize], 0.0);
-            }
-        }
-        for sphere in self.surfaces.spheres() {
-            tell(objects.next(), sphere.center, sphere.radius);
-        }
-        for disk in self.surfaces.disks() {
-            let radius = (disk.u.length_squared() + disk.v.length_squared()).sqrt();
-            tell(objects.next(), disk.center, radius);
-        }
-        for custom in self.surfaces.customs() {
-            let bounds = custom.bounds();
-            tell(objects.next(), bounds.center(), 0.5 * bounds.extent().length());
-        }
     }
 
     fn object(&self, hit: &Hit) -> &PreparedObject {

@@ -34,7 +34,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use met::{MetPacket, Surface};
 use paths::{PathPacket, Paths, add};
-use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
+use rutilant_geom::lanes::{LANES, Xyz8, each_lane};
 use rutilant_geom::offset_origins;
 
 impl Path<'_> {
@@ -92,15 +92,15 @@ impl Path<'_> {
 
         // Light of the sky and of surfaces, weighted against having been chosen by light sampling.
         for lane in each_lane(met.sky | met.glows) {
-            let direction = at(&paths.rays.direction, lane);
+            let ray = paths.rays.ray(lane);
             let seen = if met.sky >> lane & 1 == 1 {
-                SeenEmission::of_sky(scene, &paths.rays.ray(lane))
+                SeenEmission::of_sky(scene, &ray)
             } else {
-                met.emission(scene, lane, -direction)
+                met.emission(scene, lane, -ray.direction)
             };
             if let Some(seen) = seen {
                 let (previous, lead) = (paths.previous(lane), paths.lead(lane));
-                let seen = self.weighted(scene, &seen, direction, previous.as_ref(), lead, &mut ());
+                let seen = self.weighted(scene, &seen, &ray, previous.as_ref(), lead, &mut ());
                 let through = Spectrum::from(throughput.lane(lane).to_array());
                 add(radiance, paths.slot[lane], through * seen);
             }
