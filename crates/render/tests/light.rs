@@ -192,7 +192,7 @@ fn all() -> Vec<(&'static str, Scene, Vec3)> {
         ("triangle", glowing(mesh.clone(), at(0.0, 0.0, -1.0), false), Vec3::new(0.1, 0.2, 0.3)),
         (
             "triangle from behind",
-            glowing(mesh, at(0.0, 0.0, -1.0), true),
+            glowing(mesh.clone(), at(0.0, 0.0, -1.0), true),
             Vec3::new(0.1, 0.2, -3.0),
         ),
         ("rectangle", glowing(rectangle(), tilted, true), Vec3::ZERO),
@@ -200,6 +200,19 @@ fn all() -> Vec<(&'static str, Scene, Vec3)> {
             "sheared rectangle",
             glowing(rectangle(), tilted * Transform::scale(Vec3::new(2.0, -0.5, 1.0)), true),
             Vec3::ZERO,
+        ),
+        ("near triangle", glowing(mesh, at(0.1, 0.2, -0.1), false), Vec3::new(0.1, 0.2, 0.05)),
+        ("near rectangle", glowing(rectangle(), tilted, true), Vec3::new(0.0, 0.6, -1.2)),
+        ("rectangle edge-on", glowing(rectangle(), at(0.1, 0.0, -0.02), false), Vec3::X),
+        (
+            "near tube",
+            glowing(Shape::Rectangle { size: Vec2::new(3.0, 0.04) }, at(0.8, 0.1, -0.1), false),
+            Vec3::ZERO,
+        ),
+        (
+            "near sheared rectangle",
+            glowing(rectangle(), tilted * Transform::scale(Vec3::new(2.0, -0.5, 1.0)), true),
+            Vec3::new(0.3, 0.8, -1.4),
         ),
         ("disk", glowing(Shape::Disk { radius: 0.7 }, tilted, true), Vec3::ZERO),
         (
@@ -270,6 +283,21 @@ fn rays_find_what_sampling_promised() {
             bent += usize::from((there - s.pdf).abs() > 2e-3 * s.pdf);
         }
         assert!(bent <= 12, "{name}: {bent} of 2000 densities differ");
+    }
+}
+
+/// From nearby, where a lamp's parts are seen at all angles and from all distances, triangles and
+/// rectangles are sampled evenly over the solid angle that they fill: what arrives at a surface has
+/// the noise of its cosine alone.
+#[test]
+fn near_lamps_are_sampled_evenly() {
+    let names = ["near triangle", "near rectangle", "near tube", "near sheared rectangle"];
+    for (name, scene, from) in all().into_iter().filter(|(name, ..)| names.contains(name)) {
+        let scene = Prepared::new(&scene).unwrap();
+        let pdfs = (0..1000).filter_map(|i| scene.emitters()[0].sample(from, random(23, i).1));
+        let pdfs: Vec<f32> = pdfs.map(|s| s.pdf).collect();
+        assert!(pdfs.len() > 990, "{name}: {} of 1000", pdfs.len());
+        assert!(pdfs.iter().all(|pdf| *pdf == pdfs[0]), "{name}: {pdfs:?}");
     }
 }
 

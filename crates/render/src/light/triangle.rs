@@ -1,4 +1,5 @@
-//! Glowing triangles and parallelograms, sampled uniformly over their area.
+//! Glowing triangles and parallelograms: sampled evenly over their area from afar, over the solid
+//! angle that they fill from nearby.
 //!
 //! Points are combined in double precision and rounded once, so that they lie
 //! as close to the surface as a hit does.
@@ -6,11 +7,11 @@
 use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::lanes::mask;
-use crate::math::warp;
+use crate::math::{SphericalTriangle, warp};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, mask32x8};
 use rutilant_geom::lanes::{LANES, Xyz8, narrow, widen};
-use rutilant_geom::{Vec2, Vec3, each, offset_ends};
+use rutilant_geom::{DVec3, Vec2, Vec3, each, offset_ends};
 
 /// A glowing triangle; its front is where the corners run counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,9 +22,7 @@ pub struct TriangleEmitter {
 impl TriangleEmitter {
     /// A triangle without area gives no light.
     pub fn new(corners: [Vec3; 3], glow: Glow) -> Self {
-        let (normal, doubled) = normal_and_size(corners);
-        let area = 0.5 * doubled;
-        Self { flat: FlatEmitter { corners, normal, area, glow, is_triangle: true } }
+        Self { flat: FlatEmitter::new(corners, glow, true) }
     }
 
     /// Its light.
@@ -36,7 +35,7 @@ impl TriangleEmitter {
     }
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
-        area_to_solid_angle(1.0 / self.flat.area, position - from, wi, normal)
+        self.flat.pdf(from, wi, position, normal)
     }
 
     /// What it is.
@@ -58,8 +57,7 @@ pub struct ParallelogramEmitter {
 impl ParallelogramEmitter {
     /// A parallelogram without area gives no light.
     pub fn new(corners: [Vec3; 3], glow: Glow) -> Self {
-        let (normal, area) = normal_and_size(corners);
-        Self { flat: FlatEmitter { corners, normal, area, glow, is_triangle: false } }
+        Self { flat: FlatEmitter::new(corners, glow, false) }
     }
 
     /// Its light.
@@ -72,7 +70,7 @@ impl ParallelogramEmitter {
     }
 
     pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
-        area_to_solid_angle(1.0 / self.flat.area, position - from, wi, normal)
+        self.flat.pdf(from, wi, position, normal)
     }
 
     /// What it is.
@@ -93,6 +91,10 @@ pub(crate) struct FlatEmitter {
     area: f32,
     glow: Glow,
     is_triangle: bool,
+    middle: Vec3,
+    /// The square of the distance from there within which it counts as near: that of its longest
+    /// side. From farther off, even density over its area is as good, and costs less.
+    near2: f32,
 }
 
 /// Ways to eight lights, as in [`EmitterSample`].
@@ -113,7 +115,25 @@ impl FlatEmitter {
         area: 0.0,
         glow: Glow { radiance: Spectrum::BLACK, two_sided: false },
         is_triangle: false,
+        middle: Vec3::ZERO,
+        near2: 0.0,
     };
+
+    fn new(corners: [Vec3; 3], glow: Glow, is_triangle: bool) -> Self {
+        let [a, b, c] = corners;
+        let (normal, parallelogram) = normal_and_size(corners);
+        let area = if is_triangle { 0.5 * parallelogram } else { parallelogram };
+        let part = if is_triangle { 1.0 / 3.0 } else { 0.5 };
+        Self {
+            corners,
+            normal,
+            area,
+            glow,
+            is_triangle,
+            middle: combine(corners, Vec2::splat(part)),
+            near2: (b - a).length_squared().max((c - a).length_squared()),
+        }
+    }
 
     pub(super) fn area(&self) -> f32 {
         self.area
@@ -124,12 +144,64 @@ impl FlatEmitter {
         LampPoint { position: combine(self.corners, at), normal: self.normal }
     }
 
-    fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        let LampPoint { position, normal } = self.point(u);
-        self.glow.sample_at(from, position, normal, self.area)
+    /// Whether it is so near that it is sampled by solid angle.
+    pub(crate) fn is_near(&self, from: Vec3) -> bool {
+        self.middle.distance_squared(from) < self.near2
     }
 
-    /// Draws ways to these lights from eight points.
+    /// The triangles that it is on the sphere of directions around `from`, where it is near.
+    fn seen(&self, from: Vec3) -> Option<[SphericalTriangle; 2]> {
+        if !self.is_near(from) {
+            return None;
+        }
+        let from = from.as_dvec3();
+        let [a, b, c] = self.corners.map(|corner| corner.as_dvec3() - from);
+        let first = SphericalTriangle::seen([a, b, c]);
+        let second = if self.is_triangle {
+            SphericalTriangle::NONE
+        } else {
+            SphericalTriangle::seen([b + c - a, c, b])
+        };
+        let all = first.solid_angle + second.solid_angle;
+        // Not edge-on, nor from a corner.
+        (all > 1e-4).then_some([first, second])
+    }
+
+    fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+        let Some([first, second]) = self.seen(from) else {
+            let LampPoint { position, normal } = self.point(u);
+            return self.glow.sample_at(from, position, normal, self.area);
+        };
+        let all = first.solid_angle + second.solid_angle;
+        let beyond = u.x * all - first.solid_angle;
+        let wi = if beyond < 0.0 || second.solid_angle == 0.0 {
+            first.sample(Vec2::new(u.x * all / first.solid_angle, u.y))
+        } else {
+            second.sample(Vec2::new(beyond / second.solid_angle, u.y))
+        };
+        let position = combine(self.corners, self.meet(from, wi)?);
+        let way = self.glow.sample_at(from, position, self.normal, self.area)?;
+        Some(EmitterSample { pdf: 1.0 / all, ..way })
+    }
+
+    /// Where its plane is met along `wi`: the parts of the way from the first corner to the others.
+    fn meet(&self, from: Vec3, wi: DVec3) -> Option<Vec2> {
+        let [a, b, c] = self.corners.map(|corner| corner.as_dvec3());
+        let (across, along, way) = (b - a, c - a, from.as_dvec3() - a);
+        let side = wi.cross(along);
+        let parts = [way.dot(side), wi.dot(way.cross(across))].map(|x| x / across.dot(side));
+        let at = Vec2::from(parts.map(|x| x as f32));
+        at.is_finite().then(|| at.clamp(Vec2::ZERO, Vec2::ONE))
+    }
+
+    fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
+        match self.seen(from) {
+            Some([first, second]) => 1.0 / (first.solid_angle + second.solid_angle),
+            None => area_to_solid_angle(1.0 / self.area, position - from, wi, normal),
+        }
+    }
+
+    /// Draws ways to these lights, none of them near, from eight points.
     #[inline(always)]
     pub(crate) fn sample_all<S: Simd>(
         simd: S,

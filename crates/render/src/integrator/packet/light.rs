@@ -161,7 +161,7 @@ impl Path<'_> {
         }
         let [ux, uy] = N::d2_of(simd, samplers, bounce.light_point());
 
-        // Points on glowing triangles and parallelograms; all other lights one by one.
+        // Points on glowing triangles and parallelograms far away; all other lights one by one.
         let mut lights = [&FlatEmitter::NONE; LANES];
         let mut others = 0;
         let mut pmf = [1.0; LANES];
@@ -169,8 +169,8 @@ impl Path<'_> {
             let (number, probability) = chosen[lane];
             pmf[lane] = probability;
             match scene.emitters()[number].flat() {
-                Some(light) => lights[lane] = light,
-                None => others |= 1 << lane,
+                Some(light) if !light.is_near(from.lane(lane)) => lights[lane] = light,
+                _ => others |= 1 << lane,
             }
         }
         let flat = FlatEmitter::sample_all(simd, &lights, from, [ux, uy]);
