@@ -186,7 +186,7 @@ impl FlatEmitter {
 
     /// Where its plane is met along `wi`: the parts of the way from the first corner to the others.
     fn meet(&self, from: Vec3, wi: DVec3) -> Option<Vec2> {
-        let [a, b, c] = self.corners.map(|corner| corner.as_dvec3());
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         let (across, along, way) = (b - a, c - a, from.as_dvec3() - a);
         let side = wi.cross(along);
         let parts = [way.dot(side), wi.dot(way.cross(across))].map(|x| x / across.dot(side));

@@ -95,7 +95,8 @@ mod tests {
                     at = at.map(|x| 1.0 - x);
                 }
                 let p = a + (b - a) * at[0] + (c - a) * at[1];
-                let weight = p.dot(normal).abs() / p.length().powi(3) / (2.0 * f64::from(n * n));
+                let distance3 = p.length_squared() * p.length();
+                let weight = p.dot(normal).abs() / distance3 / (2.0 * f64::from(n * n));
                 for (sum, f) in expected.iter_mut().zip(functions(p.normalize())) {
                     *sum += f * weight;
                 }
