@@ -186,6 +186,12 @@ impl Custom {
         Self { shape, linear, inverse, translation, bounds }
     }
 
+    /// Whether this is the very same shape in the same place.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shape, &other.shape)
+            && (self.linear, self.translation) == (other.linear, other.translation)
+    }
+
     /// The box around it in the world; empty if its own is empty or not finite.
     pub fn bounds(&self) -> Aabb {
         self.bounds

@@ -193,10 +193,38 @@ impl Surfaces {
         }
     }
 
+    /// Whether these are the very surfaces that the tree was built over, bit by bit and in the same
+    /// order, so that there is no need for another.
+    pub fn are_of(
+        &self,
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        spheres: &[Sphere],
+        disks: &[Disk],
+        customs: &[Custom],
+    ) -> bool {
+        let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
+        let ball = |s: &Sphere| (bits(&s.center), s.radius.to_bits());
+        let plate = |d: &Disk| [d.center, d.u, d.v].map(|v| bits(&v));
+        let in_place = |(a, b): (&Custom, &Custom)| a.is_same(b);
+        self.triangles == triangles
+            && self.positions.iter().map(bits).eq(positions.iter().map(bits))
+            && self.spheres.iter().map(ball).eq(spheres.iter().map(ball))
+            && self.disks.iter().map(plate).eq(disks.iter().map(plate))
+            && self.customs.len() == customs.len()
+            && self.customs.iter().zip(customs).all(in_place)
+    }
+
     /// The same, met with other instructions of the processor; what rays find has the same bits.
     /// `None` where the processor has none of these.
     pub fn with_simd(self, simd: Simd) -> Option<Self> {
         simd.level().map(|level| Self { level, ..self })
+    }
+
+    /// The same, met with the instructions that `other` surfaces are met with.
+    #[must_use]
+    pub fn at_level_of(self, other: &Self) -> Self {
+        Self { level: other.level, ..self }
     }
 
     /// The instructions that rays are traced with.

@@ -3,7 +3,6 @@
 mod common;
 
 use common::{mean, render, small};
-use rutilant::Prepared;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
 use rutilant::geom::{Ray, Transform, Vec2, Vec3};
@@ -13,6 +12,9 @@ use rutilant::material::{Absorption, Dielectric, Emission, Matte};
 use rutilant::scene::{MeshId, Place, Scene};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
+use rutilant::{Prepared, Session};
+use std::sync::Arc;
+use std::time::Duration;
 
 fn scene() -> Scene {
     let camera = Perspective::look_at(Vec3::new(0.3, 0.7, 4.0), Vec3::ZERO, 0.6).unwrap();
@@ -342,5 +344,31 @@ fn lamps_of_any_size_shine() {
             assert!(!prepared.emitters().is_empty(), "{size:e} {shape:?}");
             assert_eq!(prepared.report().notes, [], "{size:e} {shape:?}");
         }
+    }
+}
+
+/// An edited scene looks, bit by bit, as if it had been made traceable anew: with another material,
+/// a lamp more, another camera, a body moved.
+#[test]
+fn an_edited_scene_looks_as_if_it_were_new() {
+    let mut scene = coloured_glass(cube(), Transform::rotate(Vec3::Y, 0.4));
+    let mut prepared = Prepared::new(&scene).unwrap();
+    let edits: [fn(&mut Scene); 4] = [
+        |scene| scene.materials[0] = Matte::new(Rgb::new(0.2, 0.7, 0.4)).into(),
+        |scene| {
+            let lamp = scene.add_material(Emission::radiance(Rgb::grey(4.0)));
+            scene.objects[0].material = lamp;
+        },
+        |scene| {
+            scene.camera = Perspective::look_at(Vec3::ONE * 3.0, Vec3::ZERO, 0.6).unwrap().into();
+        },
+        |scene| scene.objects[0].world_from_object = Transform::translate(Vec3::X * 0.3),
+    ];
+    for edit in edits {
+        edit(&mut scene);
+        prepared = prepared.edited(&scene).unwrap();
+        let session = Session::start(Arc::new(prepared.clone()), small(4), 2).unwrap();
+        while !session.wait(Duration::from_secs(60)) {}
+        assert_eq!(session.snapshot().hash(), render(&scene, small(4)).hash());
     }
 }

@@ -38,7 +38,13 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    pub(super) fn finish(mut self, scene: &Scene, options: &BuildOptions) -> Prepared {
+    /// Puts everything together; takes over the tree of the scene `before` where it fits.
+    pub(super) fn finish(
+        mut self,
+        scene: &Scene,
+        options: &BuildOptions,
+        before: Option<&Arc<Surfaces>>,
+    ) -> Prepared {
         self.enclosures = enclosures(scene);
         for (number, object) in scene.objects.iter().enumerate() {
             self.add(number, object, scene);
@@ -56,14 +62,21 @@ impl Assembly {
 
         let (triangles, spheres, disks, customs) =
             (self.triangles.len(), self.spheres.len(), self.disks.len(), self.customs.len());
-        let surfaces = Surfaces::with_custom(
-            self.positions,
-            self.triangles,
-            self.spheres,
-            self.disks,
-            self.customs,
-            options,
-        );
+        let fits = |before: &&Arc<Surfaces>| {
+            let Self { positions, triangles, spheres, disks, customs, .. } = &self;
+            before.are_of(positions, triangles, spheres, disks, customs)
+        };
+        let surfaces = if let Some(before) = before.filter(fits) {
+            Arc::clone(before)
+        } else {
+            let Self { positions, triangles, spheres, disks, customs, .. } = self;
+            let built =
+                Surfaces::with_custom(positions, triangles, spheres, disks, customs, options);
+            Arc::new(match before {
+                Some(before) => built.at_level_of(before),
+                None => built,
+            })
+        };
         let left_out = surfaces.report().left_out;
         if left_out.count > 0 {
             let (count, first) = (left_out.count, left_out.first.unwrap_or(0));
@@ -105,6 +118,7 @@ impl Assembly {
         let mut prepared = Prepared {
             camera: scene.camera,
             surfaces,
+            build: *options,
             object_of_primitive: self.objects_of.concat(),
             objects: self.objects,
             normals: self.normals,

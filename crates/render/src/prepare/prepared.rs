@@ -9,7 +9,9 @@ use crate::material::{CustomMaterial, SurfacePoint};
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::Note;
 use crate::settings::{IntegratorKind, Settings, Strategy};
-use rutilant_geom::{Aabb, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin};
+use rutilant_geom::{
+    Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -17,7 +19,9 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Prepared {
     pub(crate) camera: Camera,
-    pub(super) surfaces: Surfaces,
+    pub(super) surfaces: Arc<Surfaces>,
+    /// How their tree was built.
+    pub(super) build: BuildOptions,
     /// The object of each primitive.
     pub(super) object_of_primitive: Vec<u32>,
     pub(super) objects: Vec<PreparedObject>,
