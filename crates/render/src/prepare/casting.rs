@@ -4,7 +4,7 @@ use super::casters::{Caster, Casters, Casting};
 use super::prepared::{Prepared, PreparedObject};
 use crate::light::{Emitter, EmitterSelection};
 use crate::medium::Border;
-use rutilant_geom::{Aabb, Frame, Ray, Sphere, Vec2, Vec3, offset_origin};
+use rutilant_geom::{Aabb, Frame, Ray, Vec2, Vec3, offset_origin};
 
 impl Prepared {
     /// Finds lights, and what sends light on in single directions. Nothing where surfaces do to light
@@ -63,8 +63,8 @@ impl Prepared {
         let count = self.objects.len();
         let (mut bounds, mut reach) = (vec![Aabb::EMPTY; count], vec![0.0_f32; count]);
         self.each_piece(|object, point, radius| {
-            let around = Sphere { center: point, radius }.bounds();
-            bounds[object] = bounds[object].union(around);
+            let whole = &mut bounds[object];
+            *whole = whole.grown(point - radius).grown(point + radius);
         });
         self.each_piece(|object, point, radius| {
             let reach = &mut reach[object];
