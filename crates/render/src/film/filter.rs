@@ -127,6 +127,9 @@ pub(crate) struct FilterSampler {
     radius: f32,
     /// Cumulative share of the absolute value at the borders of equal intervals; first 0, last 1.
     cumulative: Vec<f32>,
+    /// How many borders lie at or before the start of each of equal parts of [0, 1): from there on it
+    /// is not far to any number in that part.
+    before: Vec<u16>,
     /// +1 or −1 for each interval.
     signs: Vec<f32>,
     /// What a positive sample counts: ∫|f| / ∫f along one axis.
@@ -160,7 +163,9 @@ impl FilterSampler {
             (sum / total_abs) as f32
         }));
         let signs = (0..count).map(|i| value(i).signum() as f32).collect();
-        Self { radius, cumulative, signs, gain: (total_abs / total) as f32 }
+        let parts = (0..count).map(|part| part as f32 / count as f32);
+        let before = parts.map(|from| cumulative.partition_point(|&c| c <= from) as u16).collect();
+        Self { radius, cumulative, before, signs, gain: (total_abs / total) as f32 }
     }
 
     /// [`sample`](Self::sample) for eight samples.
@@ -249,7 +254,9 @@ impl FilterSampler {
 
     fn sample_axis(&self, u: f32) -> (f32, f32) {
         let count = self.signs.len();
-        let i = (self.cumulative.partition_point(|&c| c <= u).max(1) - 1).min(count - 1);
+        let before = usize::from(self.before[(u * count as f32) as usize]);
+        let more = self.cumulative[before..].iter().take_while(|&&c| c <= u).count();
+        let i = ((before + more).max(1) - 1).min(count - 1);
         let (from, to) = (self.cumulative[i], self.cumulative[i + 1]);
         let within = if to > from { (u - from) / (to - from) } else { 0.5 };
         let x = (2.0 * (i as f32 + within) / count as f32 - 1.0) * self.radius;
