@@ -27,6 +27,11 @@ impl Aabb {
         Self { min: self.min.min(point), max: self.max.max(point) }
     }
 
+    /// Whether there are points that lie in both, be it on their sides.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// The smallest box that holds both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }

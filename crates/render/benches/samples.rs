@@ -62,7 +62,7 @@ fn lights(c: &mut Criterion) {
         let mut scene = room();
         let lamp = scene.add_material(Emission::radiance(Rgb::WHITE));
         scene.objects = vec![Object::new(shape, lamp)];
-        let Ok(scene) = Prepared::new(&scene) else { continue };
+        let scene = Prepared::new(&scene).expect("a lamp in a room");
         for (place, from) in [("near", Vec3::new(0.3, 0.2, 0.6)), ("far", Vec3::new(1.0, 2.0, 5.0))]
         {
             group.bench_function(format!("{name}, {place}"), |b| {
@@ -117,7 +117,7 @@ fn pictures(c: &mut Criterion) {
             let place = Transform::translate(Vec3::new(x, radius, 0.0));
             scene.objects.push(Object::new(Shape::Sphere { radius }, material).transformed(&place));
         }
-        let Ok(scene) = Prepared::new(&scene).map(Arc::new) else { continue };
+        let scene = Arc::new(Prepared::new(&scene).expect("balls in a room"));
         group.bench_function(name, |b| {
             b.iter(|| {
                 let settings = Settings {

@@ -13,7 +13,7 @@ use rutilant::light::Environment;
 use rutilant::material::{Absorption, Dielectric, Emission, Matte, Mirror};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{Crop, SamplerKind, Settings, Strategy};
-use rutilant::shape::{Object, Shape};
+use rutilant::shape::{Mesh, Object, Shape};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 fn put(scene: &mut Scene, shape: Shape, material: MaterialId, place: Transform) {
@@ -262,6 +262,61 @@ fn a_tiny_lamp_leaves_the_others_their_caustics() {
     put(&mut scene, Shape::Sphere { radius: 1e-8 }, tiny, at(0.5, 1.5, -0.3));
     let both = brightest(&scene);
     assert!(both < 2.0 * alone, "{both} {alone}");
+}
+
+/// Caustics change no mean: that of the scene with them is that without.
+fn assert_mean_stays(scene: &Scene, spp: u64) {
+    let settings = Settings { size: [16, 12], sampler: SamplerKind::Sobol, ..small(spp) };
+    let with = mean(&render(scene, settings.clone()), "G");
+    let without = mean(&render(scene, Settings { caustics: false, ..settings }), "G");
+    assert!((with.0 / without.0 - 1.0).abs() < 0.015, "{with:?} {without:?}");
+}
+
+/// An eye that lies in the plane of the floor, as one at height 0 does, sees the caustics on a wall:
+/// the floor that it lies on is not in their way.
+#[test]
+fn an_eye_on_the_floor_sees_caustics() {
+    let camera = Perspective::look_at(Vec3::Z * 3.0, Vec3::new(0.0, 0.8, -2.0), 0.87).unwrap();
+    let mut scene = Scene::new(camera);
+    let white = scene.add_material(Matte::new(Rgb::grey(0.7)));
+    let mirror = scene.add_material(Mirror { reflectance: Rgb::grey(0.9) });
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(10.0)));
+    let (up, down) =
+        (Transform::rotate(Vec3::X, -FRAC_PI_2), Transform::rotate(Vec3::X, FRAC_PI_2));
+    // A turned rectangle is rounded off the plane.
+    let corners = [[-3.0, 3.0], [3.0, 3.0], [3.0, -3.0], [-3.0, -3.0]];
+    let floor = scene.add_mesh(Mesh {
+        positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    });
+    put(&mut scene, Shape::Mesh(floor), white, Transform::IDENTITY);
+    put(&mut scene, rectangle(4.0), white, at(0.0, 1.5, -2.0));
+    put(&mut scene, rectangle(1.5), mirror, at(0.0, 0.01, -0.8) * up);
+    put(&mut scene, rectangle(0.6), lamp, at(0.0, 2.0, 0.5) * down);
+    assert_mean_stays(&scene, 16_384);
+}
+
+/// A lamp that goes through the wall of dark glass shines into the glass and out into the open: each
+/// of its points knows what it stands in.
+#[test]
+fn a_lamp_may_stand_half_in_dark_glass() {
+    let camera = Perspective::look_at(Vec3::new(0.3, 1.5, 3.0), Vec3::new(0.3, 0.3, 0.0), 0.8);
+    let mut scene = Scene::new(camera.unwrap());
+    let floor = scene.add_material(Matte::new(Rgb::grey(0.7)));
+    let glass = scene.add_material(Dielectric::new(1.5));
+    let mut dark = Dielectric::new(1.5);
+    dark.interior.absorption = Absorption::Coefficient(Rgb::grey(5.0));
+    let dark = scene.add_material(dark);
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(40.0)));
+    let down = Transform::rotate(Vec3::X, FRAC_PI_2);
+    put(&mut scene, rectangle(20.0), floor, Transform::rotate(Vec3::X, -FRAC_PI_2));
+    let block = Shape::Box { size: Vec3::new(2.0, 1.0, 1.0) };
+    put(&mut scene, block, dark, at(-1.0, 0.9, 0.0));
+    put(&mut scene, Shape::Sphere { radius: 0.3 }, glass, at(0.8, 0.5, 0.0));
+    let strip = Shape::Rectangle { size: Vec2::new(1.6, 0.3) };
+    put(&mut scene, strip, lamp, at(0.0, 1.2, 0.0) * down);
+    assert_mean_stays(&scene, 32_768);
 }
 
 /// A ball of dark glass just touches the middle of a lamp's beam. It is not taken to be around the

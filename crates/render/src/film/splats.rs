@@ -15,12 +15,12 @@ const TILE: u32 = 64;
 /// More blocks of tiles than this there are not; in larger pictures they have more tiles.
 const MOST_BLOCKS: u64 = 1 << 16;
 
-/// So many parts make what the brightest light gives in all samples of a pixel: eight times as
-/// many have room.
+/// As many parts as the brightest light gives in all planned samples of a pixel together. A sum has
+/// room for eight times as many.
 const PARTS_IN_ALL: f64 = (1_u64 << 60) as f64;
 
-/// So many samples have room at least; no more are counted on, for what they give to be whole
-/// numbers of parts still.
+/// The least and the most samples that sums are made for, whatever is planned: fewer may become
+/// more, and for more what a sample gives would be too few parts.
 const SAMPLES: [u64; 2] = [1 << 16, 1 << 24];
 
 /// What one light path brings to one pixel.

@@ -247,7 +247,7 @@ impl<'a> Caustics<'a> {
         if !two_sided && from.normal.dot(direction) <= 0.0 {
             return None;
         }
-        let media = self.casting.media(lamp as u32);
+        let media = self.scene.lamp_media(self.casting, lamp as u32, &point);
         let way =
             entry.map(|entry| Ray::between(entry, offset_end(from.position, from.normal, entry)));
         let origin = entry.unwrap_or_else(|| offset_origin(from.position, from.normal, direction));
@@ -358,9 +358,10 @@ impl<'a> Caustics<'a> {
             * path.left
             * transmittance(media.absorption, distance)
             * (share * filtered * sides * per_area / self.pixels);
-        let origin = at.surface_origin(false);
+        // From the eye, as the camera looks: what the eye itself stands on is not in its way.
+        let end = offset_end(hit.position, at.normal, seen.eye);
         (!value.is_black()).then(|| Arrival {
-            shadow_ray: Ray::between(origin, seen.eye),
+            shadow_ray: Ray::between(seen.eye, end),
             splat: Splat { pixel, value, rounding: path.sampler.d1(light_path::ROUNDING) },
         })
     }

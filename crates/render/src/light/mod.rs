@@ -22,6 +22,7 @@ pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentEmitter, EnvironmentLight};
 pub use point::PointEmitter;
 pub use projection::Projection;
+pub(crate) use sample::LampPoint;
 pub use sample::{EmitterSample, Glow};
 pub use selection::EmitterSelection;
 pub use sphere::SphereEmitter;

@@ -124,6 +124,7 @@ impl FlatEmitter {
         let (normal, parallelogram) = normal_and_size(corners);
         let area = if is_triangle { 0.5 * parallelogram } else { parallelogram };
         let part = if is_triangle { 1.0 / 3.0 } else { 0.5 };
+        let sides2 = (b - a).length_squared().max((c - a).length_squared());
         Self {
             corners,
             normal,
@@ -131,7 +132,7 @@ impl FlatEmitter {
             glow,
             is_triangle,
             middle: combine(corners, Vec2::splat(part)),
-            near2: (b - a).length_squared().max((c - a).length_squared()),
+            near2: if is_triangle { sides2.max((c - b).length_squared()) } else { sides2 },
         }
     }
 

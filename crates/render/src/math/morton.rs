@@ -49,7 +49,7 @@ mod tests {
         {
             let bit =
                 |i: u32| u64::from(x >> i & 1) << (2 * i) | u64::from(y >> i & 1) << (2 * i + 1);
-            assert_eq!(morton(x, y), (0..32).map(bit).sum(), "{x} {y}");
+            assert_eq!(morton(x, y), (0..32).map(bit).sum::<u64>(), "{x} {y}");
             if (x | y) >> 16 == 0 {
                 assert_eq!(from_morton(morton(x, y) as u32), [x, y]);
             }

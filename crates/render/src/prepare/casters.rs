@@ -1,44 +1,17 @@
 //! Balls around everything that sends light on in single directions: glass, mirrors.
 //!
-//! Light paths are aimed at them: what they throw on other surfaces are caustics.
+//! Light paths are aimed at them: what they throw on other surfaces are caustics. A ball knows
+//! nothing of what is in it but how much of its light goes on; whether a path meets it is found by
+//! tracing.
+//!
+//! Source: the cone of directions to a ball as in Pharr, Jakob, Humphreys, *Physically Based
+//! Rendering*, 4th ed., section 6.2.4; weights of several by the density of all that could have
+//! been chosen (Veach 1997, section 9.2.4).
 
-use crate::light::EmitterSelection;
 use crate::math::distribution::choose;
 use crate::math::warp;
-use crate::medium::Media;
 use rutilant_geom::{Aabb, Frame, Sphere, Vec2, Vec3, real};
 use std::f32::consts::PI;
-
-/// What caustics come from.
-#[derive(Clone, Debug)]
-pub(crate) struct Casting {
-    /// What light is aimed at.
-    pub(crate) casters: Casters,
-    /// The lamps that light paths start from.
-    pub(crate) lamps: EmitterSelection,
-    /// The number of the sky among the emitters, where it is one that light paths start from.
-    pub(super) sky: Option<u32>,
-    /// What the lamps stand in, by the number of the first of each object's: only where something
-    /// absorbs.
-    pub(super) media: Vec<(u32, Media)>,
-    /// The largest radiance of a light that they start from.
-    pub(crate) brightest: f32,
-}
-
-impl Casting {
-    /// The number of the sky, and how often light paths start from there: as often as from all
-    /// lamps together.
-    pub(crate) fn sky(&self) -> Option<(usize, f32)> {
-        let alone = matches!(self.lamps, EmitterSelection::None);
-        Some((self.sky? as usize, if alone { 1.0 } else { 0.5 }))
-    }
-
-    /// What the light of a lamp starts in.
-    pub(crate) fn media(&self, emitter: u32) -> Media {
-        let after = self.media.partition_point(|(first, _)| *first <= emitter);
-        after.checked_sub(1).map_or(Media::NONE, |i| self.media[i].1)
-    }
-}
 
 /// Balls that hold all casters of caustics.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +27,7 @@ pub(super) struct Caster {
 
 /// How a point of a lamp sees a ball.
 enum View {
-    /// As a cone around the way to its centre; the cosine of half its opening is one less this.
+    /// As a cone around the way to its centre, with one minus the cosine of half its opening.
     Cone { axis: Vec3, one_minus_cos: f32 },
     /// All around.
     Everywhere,

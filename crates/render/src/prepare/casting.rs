@@ -1,19 +1,67 @@
 //! What caustics come from is looked for in a scene: lights, and what throws their light.
 
-use super::casters::{Caster, Casters, Casting};
+use super::casters::{Caster, Casters};
 use super::prepared::{Prepared, PreparedObject};
-use crate::light::{Emitter, EmitterSelection};
-use crate::medium::Border;
+use crate::light::{Emitter, EmitterSelection, LampPoint};
+use crate::medium::{Border, Media};
 use rutilant_geom::{Aabb, Frame, Ray, Vec2, Vec3, offset_origin};
 
+/// How far an object extends.
+#[derive(Clone, Copy)]
+struct Extent {
+    bounds: Aabb,
+    /// From the middle of the box.
+    reach: f32,
+}
+
+/// What caustics come from.
+#[derive(Clone, Debug)]
+pub(crate) struct Casting {
+    /// What light is aimed at.
+    pub(crate) casters: Casters,
+    /// The lamps that light paths start from.
+    pub(crate) lamps: EmitterSelection,
+    /// The number of the sky among the emitters, where it is one that light paths start from.
+    sky: Option<u32>,
+    /// What the lamps stand in, by the number of the first emitter of each object: only where
+    /// something absorbs, and `None` where that may differ from point to point.
+    media: Vec<(u32, Option<Media>)>,
+    /// The largest radiance of a light that they start from.
+    pub(crate) brightest: f32,
+}
+
+impl Casting {
+    /// The number of the sky, and how often light paths start from there: as often as from all
+    /// lamps together.
+    pub(crate) fn sky(&self) -> Option<(usize, f32)> {
+        let alone = matches!(self.lamps, EmitterSelection::None);
+        Some((self.sky? as usize, if alone { 1.0 } else { 0.5 }))
+    }
+}
+
 impl Prepared {
+    /// What the light of a lamp starts in, at one of its points.
+    pub(crate) fn lamp_media(&self, casting: &Casting, emitter: u32, point: &LampPoint) -> Media {
+        let after = casting.media.partition_point(|(first, _)| *first <= emitter);
+        let known = after.checked_sub(1).map(|i| casting.media[i].1);
+        known.map_or(Media::NONE, |media| media.unwrap_or_else(|| self.media_above(point)))
+    }
+
+    /// What there is in front of a point of a lamp.
+    fn media_above(&self, &LampPoint { position, normal }: &LampPoint) -> Media {
+        /// A direction that nothing which people place by round numbers touches.
+        const OUTWARD: Vec3 = Vec3::new(0.31, 0.17, 1.0);
+        let direction = Frame::around(normal).to_world(OUTWARD).normalize();
+        self.media_at(Ray::new(offset_origin(position, normal, direction), direction))
+    }
+
     /// Finds lights, and what sends light on in single directions. Nothing where surfaces do to light
     /// what only a path from the camera knows.
     pub(super) fn find_casting(&self) -> Option<Casting> {
-        /// A point and a direction that nothing which people place by round numbers touches.
-        const SOMEWHERE: (Vec2, Vec3) = (Vec2::new(0.37, 0.61), Vec3::new(0.31, 0.17, 1.0));
-        let (on_lamp, outward) = SOMEWHERE;
-        let casters = self.is_plain.then(|| self.casters())?;
+        /// A point of a lamp.
+        const SOMEWHERE: Vec2 = Vec2::new(0.37, 0.61);
+        let extents = self.is_plain.then(|| self.extents())?;
+        let casters = self.casters(&extents);
         if casters.is_empty() {
             return None;
         }
@@ -21,21 +69,29 @@ impl Prepared {
         let mut shines = vec![false; self.emitters.len()];
         let absorbs = |b: &Border| !(b.absorption(true) + b.absorption(false)).is_black();
         let some_absorb = self.materials.iter().filter_map(|m| m.border).any(|b| absorbs(&b));
+        let bodies = || {
+            let objects = self.objects.iter().enumerate();
+            objects
+                .filter(|(_, o)| self.materials[o.material as usize].border.is_some())
+                .map(|o| o.0)
+        };
         let (mut media, mut known) = (Vec::new(), vec![false; self.objects.len()]);
         for (primitive, &number) in (0..).zip(&self.object_of_primitive) {
             let object = &self.objects[number as usize];
             let Some(emitter) = object.emitter_of(primitive) else { continue };
             let lamp = &self.emitters[emitter as usize];
             let border = self.materials[object.material as usize].border;
-            let Some(point) = lamp.point(on_lamp).filter(|_| lamp.area() > 0.0 && border.is_none())
+            let Some(point) =
+                lamp.point(SOMEWHERE).filter(|_| lamp.area() > 0.0 && border.is_none())
             else {
                 continue;
             };
             shines[emitter as usize] = true;
             if some_absorb && !std::mem::replace(&mut known[number as usize], true) {
-                let origin = offset_origin(point.position, point.normal, point.normal);
-                let direction = Frame::around(point.normal).to_world(outward).normalize();
-                media.push((emitter, self.media_at(Ray::new(origin, direction))));
+                // One border through its box, and it may stand on both sides.
+                let bounds = &extents[number as usize].bounds;
+                let crossed = bodies().any(|other| extents[other].bounds.overlaps(bounds));
+                media.push((emitter, (!crossed).then(|| self.media_above(&point))));
             }
         }
         media.sort_unstable_by_key(|(emitter, _)| *emitter);
@@ -54,26 +110,30 @@ impl Prepared {
     }
 
     /// Balls around everything that sends light on in single directions.
-    fn casters(&self) -> Casters {
+    fn casters(&self, extents: &[Extent]) -> Casters {
         let casts =
             |object: &PreparedObject| self.materials[object.material as usize].bsdf.delta_pmf();
-        if !self.objects.iter().any(|object| casts(object) > 0.0) {
-            return Casters::default();
-        }
-        let count = self.objects.len();
-        let (mut bounds, mut reach) = (vec![Aabb::EMPTY; count], vec![0.0_f32; count]);
-        self.each_piece(|object, point, radius| {
-            let whole = &mut bounds[object];
-            *whole = whole.grown(point - radius).grown(point + radius);
-        });
-        self.each_piece(|object, point, radius| {
-            let reach = &mut reach[object];
-            *reach = reach.max(bounds[object].center().distance(point) + radius);
-        });
-        let casters = self.objects.iter().zip(bounds).zip(reach);
-        let casters = casters.filter(|((object, _), reach)| casts(object) > 0.0 && *reach > 0.0);
-        let caster = |((object, bounds), reach)| Caster::around(&bounds, reach, casts(object));
+        let casters = self.objects.iter().zip(extents);
+        let casters = casters.filter(|(object, extent)| casts(object) > 0.0 && extent.reach > 0.0);
+        let caster = |(object, e): (_, &Extent)| Caster::around(&e.bounds, e.reach, casts(object));
         Casters::new(casters.map(caster).collect())
+    }
+
+    /// How far each object extends; empty where nothing is that could throw light.
+    fn extents(&self) -> Vec<Extent> {
+        let mut extents = vec![Extent { bounds: Aabb::EMPTY, reach: 0.0 }; self.objects.len()];
+        if !self.materials.iter().any(|m| m.bsdf.delta_pmf() > 0.0) {
+            return extents;
+        }
+        self.each_piece(|object, point, radius| {
+            let bounds = &mut extents[object].bounds;
+            *bounds = bounds.grown(point - radius).grown(point + radius);
+        });
+        self.each_piece(|object, point, radius| {
+            let Extent { bounds, reach } = &mut extents[object];
+            *reach = reach.max(bounds.center().distance(point) + radius);
+        });
+        extents
     }
 
     /// Tells the balls that hold all surfaces of each object, by the object's number: corners of

@@ -10,7 +10,8 @@ mod casting;
 mod material;
 mod prepared;
 
-pub(crate) use casters::{Aim, Casting, Outlook};
+pub(crate) use casters::{Aim, Outlook};
+pub(crate) use casting::Casting;
 pub(crate) use material::PreparedMaterial;
 pub use prepared::{PrepareReport, Prepared};
 

@@ -1,6 +1,6 @@
 //! A scene as rays find it: what they meet, what that is made of, what gives light.
 
-use super::casters::Casting;
+use super::casting::Casting;
 use super::material::PreparedMaterial;
 use crate::camera::Camera;
 use crate::interaction::SurfaceInteraction;
