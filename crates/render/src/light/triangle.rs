@@ -150,8 +150,9 @@ impl FlatEmitter {
         self.middle.distance_squared(from) < self.near2
     }
 
-    /// The triangles that it is on the sphere of directions around `from`, where it is near.
-    fn seen(&self, from: Vec3) -> Option<[SphericalTriangle; 2]> {
+    /// The triangles that it is on the sphere of directions around `from`, where it is near, and
+    /// their solid angle together, in sr.
+    fn seen(&self, from: Vec3) -> Option<([SphericalTriangle; 2], f32)> {
         if !self.is_near(from) {
             return None;
         }
@@ -165,15 +166,14 @@ impl FlatEmitter {
         };
         let all = first.solid_angle + second.solid_angle;
         // Not edge-on, nor from a corner.
-        (all > 1e-4).then_some([first, second])
+        (all > 1e-4).then_some(([first, second], all))
     }
 
     fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        let Some([first, second]) = self.seen(from) else {
+        let Some(([first, second], all)) = self.seen(from) else {
             let LampPoint { position, normal } = self.point(u);
             return self.glow.sample_at(from, position, normal, self.area);
         };
-        let all = first.solid_angle + second.solid_angle;
         let beyond = u.x * all - first.solid_angle;
         let wi = if beyond < 0.0 || second.solid_angle == 0.0 {
             first.sample(Vec2::new(u.x * all / first.solid_angle, u.y))
@@ -197,7 +197,7 @@ impl FlatEmitter {
 
     fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
         match self.seen(from) {
-            Some([first, second]) => 1.0 / (first.solid_angle + second.solid_angle),
+            Some((_, solid_angle)) => 1.0 / solid_angle,
             None => area_to_solid_angle(1.0 / self.area, position - from, wi, normal),
         }
     }

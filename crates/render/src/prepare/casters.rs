@@ -26,11 +26,12 @@ pub(super) struct Caster {
 }
 
 /// How a point of a lamp sees a ball.
-enum View {
-    /// As a cone around the way to its centre, with one minus the cosine of half its opening.
-    Cone { axis: Vec3, one_minus_cos: f32 },
-    /// All around.
-    Everywhere,
+struct View {
+    /// What the ball fills of the directions in which the lamp shines, in sr.
+    solid_angle: f32,
+    /// The way to its centre, as a unit vector, and one minus the cosine of half the opening of the
+    /// cone around it; `None` from within, where the ball is all around.
+    cone: Option<(Vec3, f32)>,
 }
 
 /// A lamp as one of its points sees the scene.
@@ -115,28 +116,27 @@ impl Casters {
     /// Aims light of a lamp at one of them, for a `choice` in [0, 1) and `u` in [0, 1)². `None`
     /// where the lamp turns its back on all of them.
     pub(crate) fn aim(&self, from: &Outlook, choice: f32, u: Vec2) -> Option<Aim> {
-        let weights = || self.0.iter().map(|c| (c, c.weight(from.solid_angle(&c.ball))));
-        let all: f32 = weights().map(|(_, weight)| weight).sum();
-        let caster = choose(weights(), choice * all)?;
-        let (axis, most) = match from.view(&caster.ball) {
-            View::Cone { axis, one_minus_cos } => (axis, one_minus_cos),
-            View::Everywhere => (from.normal, if from.two_sided { 2.0 } else { 1.0 }),
+        let weights = || {
+            self.0.iter().map(|caster| {
+                let view = from.view(&caster.ball);
+                let weight = caster.weight(view.solid_angle);
+                ((caster, view), weight)
+            })
         };
+        let all: f32 = weights().map(|(_, weight)| weight).sum();
+        let (caster, View { cone, .. }) = choose(weights(), choice * all)?;
+        let (axis, most) = cone.unwrap_or((from.normal, if from.two_sided { 2.0 } else { 1.0 }));
         let one_minus_cos = u.x * most;
         let (cos, sin2) = (1.0 - one_minus_cos, one_minus_cos * (2.0 - one_minus_cos));
         let sin = sin2.max(0.0).sqrt();
         let (s, c) = real::sin_cos(2.0 * PI * u.y);
         let across = Frame::around(axis).to_world(Vec3::new(c, s, 0.0));
         let direction = (axis * cos + across * sin).normalize();
-        let entry = match from.view(&caster.ball) {
-            View::Cone { .. } => {
-                // By angles, which stay exact where positions do not.
-                let distance = from.position.distance(caster.ball.center);
-                let aside = (across * cos - axis * sin) * (distance * sin);
-                Some(caster.entry(aside, direction))
-            }
-            View::Everywhere => None,
-        };
+        let entry = cone.map(|_| {
+            // By angles, which stay exact where positions do not.
+            let distance = from.position.distance(caster.ball.center);
+            caster.entry((across * cos - axis * sin) * (distance * sin), direction)
+        });
         Some(Aim { entry, direction })
     }
 
@@ -145,16 +145,16 @@ impl Casters {
     pub(crate) fn pdf(&self, from: &Outlook, direction: Vec3, point: Vec3) -> f32 {
         let mut sums = (0.0, 0.0);
         for caster in &self.0 {
-            let solid_angle = from.solid_angle(&caster.ball);
+            let View { solid_angle, cone } = from.view(&caster.ball);
             if solid_angle == 0.0 {
                 continue;
             }
             let weight = caster.weight(solid_angle);
-            let aimed = match from.view(&caster.ball) {
-                View::Everywhere => from.two_sided || direction.dot(from.normal) > 0.0,
-                View::Cone { axis, .. } => {
+            let aimed = match cone {
+                Some((axis, _)) => {
                     axis.dot(direction) > 0.0 && caster.was_entered(point, direction)
                 }
+                None => from.two_sided || direction.dot(from.normal) > 0.0,
             };
             sums.0 += if aimed { weight / solid_angle } else { 0.0 };
             sums.1 += weight;
@@ -189,21 +189,15 @@ impl Outlook {
         let way = ball.center - self.position;
         let (distance2, radius2) = (way.length_squared(), ball.radius * ball.radius);
         if distance2 <= radius2 {
-            return View::Everywhere;
+            let solid_angle = if self.two_sided { 4.0 * PI } else { 2.0 * PI };
+            return View { solid_angle, cone: None };
         }
         let sin2 = radius2 / distance2;
-        let cos = (1.0 - sin2).max(0.0).sqrt();
-        View::Cone { axis: way / distance2.sqrt(), one_minus_cos: sin2 / (1.0 + cos) }
-    }
-
-    /// What a ball fills of the directions in which the lamp shines, in sr.
-    fn solid_angle(&self, ball: &Sphere) -> f32 {
-        let height = self.normal.dot(ball.center - self.position);
-        match self.view(ball) {
-            View::Everywhere if self.two_sided => 4.0 * PI,
-            View::Everywhere => 2.0 * PI,
-            View::Cone { .. } if !self.two_sided && height < -ball.radius => 0.0,
-            View::Cone { one_minus_cos, .. } => 2.0 * PI * one_minus_cos,
+        let one_minus_cos = sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt());
+        let behind = !self.two_sided && self.normal.dot(way) < -ball.radius;
+        View {
+            solid_angle: if behind { 0.0 } else { 2.0 * PI * one_minus_cos },
+            cone: Some((way / distance2.sqrt(), one_minus_cos)),
         }
     }
 }

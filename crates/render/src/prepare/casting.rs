@@ -122,7 +122,7 @@ impl Prepared {
     /// How far each object extends; empty where nothing is that could throw light.
     fn extents(&self) -> Vec<Extent> {
         let mut extents = vec![Extent { bounds: Aabb::EMPTY, reach: 0.0 }; self.objects.len()];
-        if !self.materials.iter().any(|m| m.bsdf.delta_pmf() > 0.0) {
+        if !self.materials.iter().any(|m| m.bsdf.has_delta()) {
             return extents;
         }
         self.each_piece(|object, point, radius| {

@@ -327,8 +327,12 @@ pub fn integrate_sphere(f: impl Fn(Vec3) -> Spectrum) -> [f64; 3] {
 
 /// Renders `scene` with some settings.
 pub fn render(scene: &Scene, settings: Settings) -> Image {
-    let prepared = Arc::new(Prepared::new(scene).expect("a sound scene"));
-    let session = Session::start(prepared, settings, 2).expect("sound settings");
+    render_prepared(Prepared::new(scene).expect("a sound scene"), settings)
+}
+
+/// The same of what is prepared.
+pub fn render_prepared(scene: impl Into<Arc<Prepared>>, settings: Settings) -> Image {
+    let session = Session::start(scene.into(), settings, 2).expect("sound settings");
     while !session.wait(Duration::from_secs(3600)) {}
     assert_eq!(session.progress().dropped.count, 0, "samples were no numbers");
     session.snapshot()
