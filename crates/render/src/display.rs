@@ -10,6 +10,7 @@
 //! Source: IEC 61966-2-1 (sRGB); the curves name theirs.
 
 use rutilant_geom::real;
+use std::sync::LazyLock;
 
 /// How light is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,20 +71,62 @@ const BRIGHTEST: f32 = 1e6;
 impl Display {
     /// The sRGB bytes for a scene-linear colour. What is no number shows as black.
     pub fn encode(&self, rgb: [f32; 3]) -> [u8; 3] {
-        // `as` saturates, and turns NaN into 0.
-        self.shown(rgb).map(|c| (255.0 * c + 0.5) as u8)
+        self.lit(rgb).map(byte_from_linear)
     }
 
     /// The same in 16 bits, 0 to 65535: for pictures that are to be edited further.
     pub fn encode_16(&self, rgb: [f32; 3]) -> [u16; 3] {
-        self.shown(rgb).map(|c| (65535.0 * c + 0.5) as u16)
+        self.lit(rgb).map(|c| (65535.0 * srgb_from_linear(c) + 0.5) as u16)
     }
 
-    /// Encoded as sRGB, 0 to 1.
-    fn shown(&self, rgb: [f32; 3]) -> [f32; 3] {
+    /// What of it is shown, linear, 0 to 1.
+    fn lit(&self, rgb: [f32; 3]) -> [f32; 3] {
         let gain = real::exp2(self.exposure);
-        self.curve.apply(rgb.map(|c| c * gain)).map(srgb_from_linear)
+        self.curve.apply(rgb.map(|c| c * gain))
     }
+}
+
+/// The byte for linear light from 0 to 1: 255 times its sRGB encoding, rounded. Looked up, because a
+/// window shows millions of pixels a second.
+fn byte_from_linear(linear: f32) -> u8 {
+    /// Parts of an octave: each holds at most one step from a byte to the next.
+    const PARTS: u32 = 7;
+    /// What is darker than this is 0.
+    const DARKEST: f32 = 1.0 / 8192.0;
+    const FIRST: u32 = DARKEST.to_bits() >> (23 - PARTS);
+    const COUNT: usize = ((1.0_f32.to_bits() >> (23 - PARTS)) - FIRST + 1) as usize;
+    struct Table {
+        /// The byte at the beginning of each part.
+        begins: [u8; COUNT],
+        /// The least light of each byte, and one that there is not beyond the last.
+        least: [f32; 257],
+    }
+    static TABLE: LazyLock<Table> = LazyLock::new(|| {
+        let byte = |linear: f32| (255.0 * srgb_from_linear(linear) + 0.5) as u8;
+        // Floats from 0 to 1 are ordered as their bits are.
+        let least = |code: u8| {
+            let (mut low, mut high) = (0.0_f32.to_bits(), 1.0_f32.to_bits());
+            while low < high {
+                let middle = low.midpoint(high);
+                if byte(f32::from_bits(middle)) < code { low = middle + 1 } else { high = middle }
+            }
+            f32::from_bits(low)
+        };
+        Table {
+            begins: std::array::from_fn(|i| {
+                byte(f32::from_bits((FIRST + i as u32) << (23 - PARTS)))
+            }),
+            least: std::array::from_fn(|c| u8::try_from(c).map_or(f32::INFINITY, least)),
+        }
+    });
+    // Also what is no number is 0.
+    if !(linear >= DARKEST) {
+        return 0;
+    }
+    let Table { begins, least } = &*TABLE;
+    let part = (linear.min(1.0).to_bits() >> (23 - PARTS)) - FIRST;
+    let byte = begins[part as usize];
+    byte + u8::from(linear >= least[usize::from(byte) + 1])
 }
 
 /// Source: Narkowicz, "ACES Filmic Tone Mapping Curve", 2016.
@@ -203,6 +246,30 @@ mod tests {
         assert_eq!(PLAIN.encode([0.18; 3]), [118; 3]);
         assert_eq!(PLAIN.encode([0.0, 1.0, 7.0]), [0, 255, 255]);
         assert_eq!(Display { exposure: 1.0, ..PLAIN }.encode([0.09; 3]), [118; 3]);
+    }
+
+    /// Looked up or computed, bytes are the same: at every step from one to the next and for a
+    /// thousand numbers on both sides of it, in the middle of every part of the table, and beyond
+    /// both ends.
+    #[test]
+    fn bytes_are_those_of_the_transfer_function() {
+        let computed = |linear: f32| (255.0 * srgb_from_linear(linear) + 0.5) as u8;
+        let mut last = 0;
+        for bits in (0..=1.0_f32.to_bits()).step_by(997) {
+            let byte = byte_from_linear(f32::from_bits(bits));
+            assert_eq!(byte, computed(f32::from_bits(bits)), "{}", f32::from_bits(bits));
+            if byte != last {
+                for near in bits - 1994..bits + 997 {
+                    let linear = f32::from_bits(near).min(1.0);
+                    assert_eq!(byte_from_linear(linear), computed(linear), "{linear}");
+                }
+            }
+            last = byte;
+        }
+        assert_eq!(last, 255);
+        for (linear, byte) in [(f32::NAN, 0), (-1.0, 0), (-0.0, 0), (1.0, 255), (2.0, 255)] {
+            assert_eq!(byte_from_linear(linear), byte, "{linear}");
+        }
     }
 
     /// All 65,536 half-precision numbers, negative ones, infinities and those that are none

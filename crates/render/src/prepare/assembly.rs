@@ -119,16 +119,16 @@ impl Assembly {
             camera: scene.camera,
             surfaces,
             build: *options,
-            object_of_primitive: self.objects_of.concat(),
-            objects: self.objects,
-            normals: self.normals,
-            uvs: self.uvs,
-            materials,
-            custom_materials,
+            object_of_primitive: self.objects_of.concat().into(),
+            objects: self.objects.into(),
+            normals: self.normals.into(),
+            uvs: self.uvs.into(),
+            materials: materials.into(),
+            custom_materials: custom_materials.into(),
             light_beyond_sampling: !ranked_media.is_empty()
                 || self.emitters.iter().any(Emitter::is_custom),
-            ranked_media,
-            emitters: self.emitters,
+            ranked_media: ranked_media.into(),
+            emitters: self.emitters.into(),
             environment,
             camera_media: Media::NONE,
             some_pass: self.some_pass,
@@ -137,14 +137,8 @@ impl Assembly {
             casting: None,
             report,
         };
-        prepared.casting = prepared.find_casting();
-        prepared.camera_media = prepared.media_at(scene.camera.axis());
-        if !prepared.camera_media.absorption.is_black() {
-            prepared.report.notes.push(Place::Camera.note(
-                "it stands inside of something that absorbs light: behind the first \
-                 surface in front of it, which is seen from its back",
-            ));
-        }
+        prepared.casting = prepared.find_casting().map(Arc::new);
+        prepared.look_through(scene.camera);
         prepared
     }
 

@@ -76,7 +76,7 @@ impl Prepared {
                 .map(|o| o.0)
         };
         let (mut media, mut known) = (Vec::new(), vec![false; self.objects.len()]);
-        for (primitive, &number) in (0..).zip(&self.object_of_primitive) {
+        for (primitive, &number) in (0..).zip(self.object_of_primitive.iter()) {
             let object = &self.objects[number as usize];
             let Some(emitter) = object.emitter_of(primitive) else { continue };
             let lamp = &self.emitters[emitter as usize];

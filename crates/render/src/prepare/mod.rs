@@ -15,6 +15,7 @@ pub(crate) use casting::Casting;
 pub(crate) use material::PreparedMaterial;
 pub use prepared::{PrepareReport, Prepared};
 
+use crate::camera::Camera;
 use crate::scene::{Scene, SceneProblem};
 use assembly::Assembly;
 use rutilant_geom::{BuildOptions, Simd};
@@ -49,6 +50,18 @@ impl Prepared {
     pub fn edited(&self, scene: &Scene) -> Result<Self, SceneProblem> {
         scene.validate()?;
         Ok(Assembly::default().finish(scene, &self.build, Some(&self.surfaces)))
+    }
+
+    /// The same scene seen by another camera, as [`new`](Self::new) would prepare it; everything else
+    /// is shared.
+    ///
+    /// # Errors
+    /// A camera that [`Scene::validate`] would refuse.
+    pub fn seen_by(&self, camera: &Camera) -> Result<Self, SceneProblem> {
+        camera.validate()?;
+        let mut seen = self.clone();
+        seen.look_through(*camera);
+        Ok(seen)
     }
 
     /// The same, its rays traced with other instructions of the processor: no picture changes by a

@@ -7,7 +7,7 @@ use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter};
 use crate::material::{CustomMaterial, SurfacePoint};
 use crate::medium::{Border, Media, PreparedMedium};
-use crate::problem::Note;
+use crate::problem::{Note, Place};
 use crate::settings::{IntegratorKind, Settings, Strategy};
 use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
@@ -15,7 +15,8 @@ use rutilant_geom::{
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A scene that rays can be traced through. It does not change any more.
+/// A scene that rays can be traced through. It does not change any more; its copies share what is in
+/// it, so that another view of it costs nothing ([`seen_by`](Self::seen_by)).
 #[derive(Clone, Debug)]
 pub struct Prepared {
     pub(crate) camera: Camera,
@@ -23,15 +24,15 @@ pub struct Prepared {
     /// How their tree was built.
     pub(super) build: BuildOptions,
     /// The object of each primitive.
-    pub(super) object_of_primitive: Vec<u32>,
-    pub(super) objects: Vec<PreparedObject>,
-    pub(super) normals: Vec<Vec3>,
-    pub(super) uvs: Vec<Vec2>,
-    pub(super) materials: Vec<PreparedMaterial>,
-    pub(super) custom_materials: Vec<Arc<dyn CustomMaterial>>,
+    pub(super) object_of_primitive: Arc<[u32]>,
+    pub(super) objects: Arc<[PreparedObject]>,
+    pub(super) normals: Arc<[Vec3]>,
+    pub(super) uvs: Arc<[Vec2]>,
+    pub(super) materials: Arc<[PreparedMaterial]>,
+    pub(super) custom_materials: Arc<[Arc<dyn CustomMaterial>]>,
     /// Those with a priority, the strongest first.
-    pub(super) ranked_media: Vec<PreparedMedium>,
-    pub(super) emitters: Vec<Emitter>,
+    pub(super) ranked_media: Arc<[PreparedMedium]>,
+    pub(super) emitters: Arc<[Emitter]>,
     /// The emitter that is the sky.
     pub(super) environment: Option<u32>,
     /// What the camera stands in.
@@ -45,7 +46,7 @@ pub struct Prepared {
     /// Whether materials alone decide what surfaces do to light.
     pub(super) is_plain: bool,
     /// What caustics come from, where there can be some.
-    pub(super) casting: Option<Casting>,
+    pub(super) casting: Option<Arc<Casting>>,
     pub(super) report: PrepareReport,
 }
 
@@ -282,6 +283,19 @@ impl Prepared {
         a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
     }
 
+    /// Lets `camera`, a valid one, see the scene.
+    pub(super) fn look_through(&mut self, camera: Camera) {
+        self.camera = camera;
+        self.camera_media = self.media_at(camera.axis());
+        self.report.notes.retain(|note| note.place != Some(Place::Camera));
+        if !self.camera_media.absorption.is_black() {
+            self.report.notes.push(Place::Camera.note(
+                "it stands inside of something that absorbs light: behind the first \
+                 surface in front of it, which is seen from its back",
+            ));
+        }
+    }
+
     /// What the camera stands in.
     pub(crate) fn camera_media(&self) -> Media {
         self.camera_media
@@ -429,7 +443,7 @@ impl Prepared {
 
     /// What caustics come from, where there can be some that light paths find.
     pub(crate) fn casting(&self) -> Option<&Casting> {
-        self.casting.as_ref()
+        self.casting.as_deref()
     }
 
     fn object(&self, hit: &Hit) -> &PreparedObject {
