@@ -11,6 +11,7 @@
 //! # Ok::<(), rutilant_formats::SceneError>(())
 //! ```
 
+pub mod camera;
 mod error;
 mod file;
 pub mod image;

@@ -25,6 +25,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
                 |value| value.one_of("projection", PROJECTIONS),
                 Projection::default(),
             )?;
+            draft.image_names.push(table.must("image", Value::text)?.to_owned());
             EnvironmentLight::Image { image: draft.scene.add_image(image), projection }
         }
         _ => {

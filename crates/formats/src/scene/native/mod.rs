@@ -5,7 +5,7 @@
 //! numbers may be is decided by the scene's and the settings' own `validate`
 //! alone: a problem they find is traced back to the key it came from.
 
-mod camera;
+pub(crate) mod camera;
 mod document;
 mod draft;
 mod environment;
@@ -15,6 +15,7 @@ mod light;
 mod material;
 mod placing;
 mod render;
+mod said;
 mod shape;
 mod table;
 
@@ -92,11 +93,7 @@ fn parse_here(
     }
     draft.places.extend(render.map(|table| (Place::Settings, table)));
     settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
-    let camera = root.maybe("camera", |v| v.table("[camera]"))?;
-    if let Some(table) = camera {
-        draft.scene.camera = camera::read(&table, settings.size)?;
-        draft.places.insert(Place::Camera, table);
-    }
+    let (mut cameras, camera) = camera::read_all(&root, settings.size, file, options, &mut draft)?;
 
     // What there is. Materials come before the shapes that name them.
     let materials = root.or("material", |v| v.tables("[[material]]"), Vec::new())?;
@@ -110,7 +107,7 @@ fn parse_here(
     for table in root.or("shape", |v| v.tables("[[shape]]"), Vec::new())? {
         shape::read(&table, &mut draft)?;
     }
-    if camera.is_none() {
+    if cameras.is_empty() {
         let size = options.size.unwrap_or(settings.size);
         let chosen = frame_all(&draft.scene, size).ok_or_else(|| {
             root.invalid(if bounds_of_all(&draft.scene).is_empty() {
@@ -119,15 +116,16 @@ fn parse_here(
                 format!("there is no [camera], and what is there cannot have one: {TOO_LARGE}")
             })
         })?;
-        draft.scene.camera = chosen.into();
+        draft.scene.camera = chosen.camera;
+        cameras.push(chosen.authored);
         draft.notes.push(root.note("there is no [camera]: one was chosen that sees all shapes"));
     }
 
     // Whether all of it makes sense.
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
     let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
-    let Draft { scene, notes, read: files, .. } = draft;
-    Ok(LoadedScene { scene, settings, display, notes, files, lines })
+    let Draft { scene, notes, read: files, image_names, .. } = draft;
+    Ok(LoadedScene { scene, settings, display, cameras, camera, image_names, notes, files, lines })
 }
 
 /// The version of the format that is read here.
