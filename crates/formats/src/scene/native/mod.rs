@@ -8,13 +8,16 @@
 pub(crate) mod camera;
 mod document;
 mod draft;
+mod edit;
 mod environment;
 mod hex;
 mod keys;
+mod layout;
 mod light;
 mod material;
 mod placing;
 mod render;
+pub(crate) mod rewrite;
 mod said;
 mod shape;
 mod table;
@@ -58,10 +61,18 @@ pub(crate) fn parse(
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
+    with_room(file, || parse_here(text, file, options))
+}
+
+/// Runs something on a thread with room for the deepest tree.
+fn with_room<T: Send>(
+    file: &Path,
+    run: impl FnOnce() -> Result<T, SceneError> + Send,
+) -> Result<T, SceneError> {
     thread::scope(|scope| {
         thread::Builder::new()
             .stack_size(STACK)
-            .spawn_scoped(scope, || parse_here(text, file, options))
+            .spawn_scoped(scope, run)
             .map_err(|error| SceneError::in_file(file, SceneErrorKind::Io(error)))?
             .join()
             .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
