@@ -11,6 +11,7 @@ use rutilant::light::{EnvironmentLight, Light};
 use rutilant::material::MaterialKind;
 use rutilant::scene::Scene;
 use rutilant::shape::{Object, Shape};
+use rutilant_formats::LoadedScene;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -44,6 +45,8 @@ struct Info {
     meshes: usize,
     triangles: u64,
     vertices: u64,
+    /// The names of its cameras, the one that sees it first; those without a name are absent.
+    cameras: Vec<String>,
     materials: BTreeMap<&'static str, usize>,
     lights: BTreeMap<&'static str, usize>,
     /// Lower and upper corner in metres; absent for a scene without surfaces.
@@ -94,6 +97,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         meshes: scene.meshes.len(),
         triangles: triangles(scene),
         vertices: scene.meshes.iter().map(|m| m.positions.len() as u64).sum(),
+        cameras: camera_names(&loaded),
         materials: tally(scene.materials.iter().map(|m| kind_of_material(&m.kind))),
         lights: tally(kinds_of_lights(scene)),
         bounds: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
@@ -153,6 +157,9 @@ fn describe(info: &Info, contents: &str) -> String {
             several(info.triangles, "triangle", "triangles"),
         ),
     );
+    if !info.cameras.is_empty() {
+        row("cameras", &info.cameras.join(", "));
+    }
     row("materials", &list(&info.materials));
     row("lights", &list(&info.lights));
     match info.bounds {
@@ -191,6 +198,14 @@ fn describe(info: &Info, contents: &str) -> String {
         &format!("read {}, build {}", seconds(info.read_seconds), seconds(info.prepare_seconds)),
     );
     text
+}
+
+/// The names of all cameras, that of the one in use first.
+fn camera_names(loaded: &LoadedScene) -> Vec<String> {
+    let used = loaded.cameras.get(loaded.camera);
+    let others = loaded.cameras.iter().enumerate().filter(|(i, _)| *i != loaded.camera);
+    let names = used.into_iter().chain(others.map(|(_, camera)| camera)).map(|c| c.name.clone());
+    names.filter(|name| !name.is_empty()).collect()
 }
 
 fn tally(kinds: impl IntoIterator<Item = &'static str>) -> BTreeMap<&'static str, usize> {

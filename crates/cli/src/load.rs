@@ -24,6 +24,9 @@ pub(crate) struct Reading {
     /// Let the scene name files outside its own folder
     #[arg(long, help_heading = READING)]
     pub allow_path: bool,
+    /// See the scene by the camera of this name, not by the first one
+    #[arg(long, value_name = "NAME", help_heading = READING)]
+    pub camera: Option<String>,
     #[command(flatten)]
     pub limited: Limited,
 }
@@ -63,6 +66,7 @@ pub(crate) fn read(
         limits: reading.limited.limits(),
         allow_outside: reading.allow_path,
         size,
+        camera: reading.camera.as_deref(),
         ..ReadOptions::default()
     };
     let loaded = match scene {

@@ -11,16 +11,19 @@
 //! # Ok::<(), rutilant_formats::SceneError>(())
 //! ```
 
+pub mod camera;
 mod error;
 mod file;
 pub mod image;
 mod limits;
+mod look;
 mod options;
 pub mod scene;
 mod shown;
 
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use limits::Limits;
+pub use look::Look;
 pub use options::ReadOptions;
 pub use scene::loaded::LoadedScene;
 
@@ -68,4 +71,49 @@ pub fn parse_native(
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
     scene::native::parse(text, file, options)
+}
+
+/// The text of a native scene with another look: only values that differ are changed, all else
+/// stays byte by byte as it is, comments and line ends among it.
+///
+/// `text` is what `before` was read from, with the same `file` and `options`. `image_names` are
+/// those of `before`, followed by those of images that have been added since, by
+/// [`ImageId`](rutilant::scene::ImageId). New materials stand behind all old ones; in the file
+/// they come before those of mesh files. `Settings::planned_spp` is not written.
+///
+/// The result has been read again: it gives `after`, bit for bit. Numbers that have no meaning are
+/// as usual then: see [`meant`](camera::AuthoredCamera::meant).
+///
+/// # Errors
+/// Changes that a scene's text cannot hold: to materials of mesh files, custom ones, angles between
+/// those of two neighbouring numbers of degrees, values that a reader refuses; and a text that is
+/// not that of `before`.
+pub fn rewrite(
+    text: &str,
+    file: &Path,
+    options: &ReadOptions<'_>,
+    before: &LoadedScene,
+    after: &Look,
+    image_names: &[String],
+) -> Result<String, SceneError> {
+    scene::native::rewrite::rewrite(text, file, options, before, after, image_names)
+}
+
+/// A native scene for the look `after` of a bare mesh file, read as `before`, that shows the same
+/// picture. `mesh` is the name of the mesh file as seen from the folder of `file`, where the scene
+/// will stand.
+///
+/// The result has been read again, as in [`rewrite`], so the mesh file must be there.
+///
+/// # Errors
+/// As for [`rewrite`].
+pub fn native_for_mesh(
+    mesh: &str,
+    file: &Path,
+    options: &ReadOptions<'_>,
+    before: &LoadedScene,
+    after: &Look,
+    image_names: &[String],
+) -> Result<String, SceneError> {
+    scene::native::rewrite::native_for_mesh(mesh, file, options, before, after, image_names)
 }

@@ -2,7 +2,7 @@
 
 use super::files::Fence;
 use super::framing::{bounds_of_all, frame_all};
-use super::loaded::LoadedScene;
+use super::loaded::{self, LoadedScene};
 use super::mesh_file;
 use crate::error::SceneError;
 use crate::options::ReadOptions;
@@ -42,18 +42,19 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
 
     // Light and a camera.
     scene.environment = Some(Environment::constant(Rgb::WHITE));
-    scene.camera = frame_all(&scene, options.size.unwrap_or(settings.size))
-        .ok_or_else(|| {
-            let why = if no_faces {
-                "there is nothing to see: there are no faces"
-            } else if bounds_of_all(&scene).is_empty() {
-                "there is nothing to see: no vertex is a finite point"
-            } else {
-                TOO_LARGE
-            };
-            SceneError::invalid_file(path, why)
-        })?
-        .into();
+    let chosen = frame_all(&scene, options.size.unwrap_or(settings.size)).ok_or_else(|| {
+        let why = if no_faces {
+            "there is nothing to see: there are no faces"
+        } else if bounds_of_all(&scene).is_empty() {
+            "there is nothing to see: no vertex is a finite point"
+        } else {
+            TOO_LARGE
+        };
+        SceneError::invalid_file(path, why)
+    })?;
+    scene.camera = chosen.camera;
+    let cameras = vec![chosen.authored];
+    let camera = loaded::camera_named(&cameras, path, options)?;
     notes.push(note(
         "a mesh has no sky and no camera: an even white sky lights it, and the camera was chosen \
          to see all of it",
@@ -64,6 +65,9 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         scene,
         settings,
         display: Default::default(),
+        cameras,
+        camera,
+        image_names: Vec::new(),
         notes,
         files: Vec::new(),
         lines: Default::default(),

@@ -1,6 +1,7 @@
 //! A camera for a scene that has none.
 
-use rutilant::camera::Perspective;
+use crate::camera::{AuthoredCamera, FocusOn};
+use rutilant::camera::Camera;
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
 use rutilant_geom::{Aabb, Transform, Vec3};
@@ -13,9 +14,17 @@ const FOV_DEGREES: f32 = 35.0;
 /// Air around the bounds.
 const MARGIN: f32 = 1.05;
 
+/// A camera that was chosen.
+pub(super) struct Chosen {
+    /// In words.
+    pub(super) authored: AuthoredCamera,
+    /// The same.
+    pub(super) camera: Camera,
+}
+
 /// A camera that sees all objects in a picture of `size` pixels. `None` if there is nothing to see, or
 /// if it is too large for single precision.
-pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Perspective> {
+pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Chosen> {
     let bounds = bounds_of_all(scene);
     if bounds.is_empty() {
         return None;
@@ -30,7 +39,12 @@ pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Perspective> {
     let sine = narrowest / (1.0 + narrowest * narrowest).sqrt();
     let distance = MARGIN * radius / sine;
     let eye = bounds.center() + TOWARDS_EYE.normalize() * distance;
-    Perspective::look_at(eye, bounds.center(), fov_y)
+    let mut authored = AuthoredCamera::perspective(eye, bounds.center(), FOV_DEGREES);
+    if let Some(lens) = authored.kind.lens_mut() {
+        lens.focus = FocusOn::Distance(eye.distance(bounds.center()));
+    }
+    let camera = authored.camera(size).ok()?;
+    Some(Chosen { authored, camera })
 }
 
 /// The box around all objects in the world.

@@ -1,5 +1,10 @@
 //! What reading a scene gives.
 
+use super::nearest::nearest;
+use crate::camera::AuthoredCamera;
+use crate::error::{SceneError, SceneErrorKind};
+use crate::options::ReadOptions;
+use crate::shown::shown;
 use rutilant::display::Display;
 use rutilant::scene::{Note, Place, Scene};
 use rutilant::settings::Settings;
@@ -15,6 +20,14 @@ pub struct LoadedScene {
     pub settings: Settings,
     /// How to show the picture.
     pub display: Display,
+    /// Every camera in its author's words, one at least: where the scene has none, the one that
+    /// was chosen.
+    pub cameras: Vec<AuthoredCamera>,
+    /// Which of them the scene's camera is made of.
+    pub camera: usize,
+    /// The names of the scene's images, as its file writes them, by
+    /// [`ImageId`](rutilant::scene::ImageId).
+    pub image_names: Vec<String>,
     /// What a person should know: what was missing, and what stands in for it. One line each,
     /// which begins with the file, and with the place in it where one is meant.
     pub notes: Vec<String>,
@@ -33,4 +46,34 @@ impl LoadedScene {
             None => format!("{}: {note}", file.display()),
         }
     }
+}
+
+/// The number of the camera that `options` ask for.
+pub(super) fn camera_named(
+    cameras: &[AuthoredCamera],
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<usize, SceneError> {
+    let Some(name) = options.camera else { return Ok(0) };
+    if let Some(at) = cameras.iter().position(|camera| camera.name == name) {
+        return Ok(at);
+    }
+    let names = cameras.iter().map(|camera| camera.name.as_str()).filter(|name| !name.is_empty());
+    let kind = match nearest(name, names.clone()) {
+        Some(closest) => SceneErrorKind::Unknown {
+            what: "camera",
+            name: shown(name),
+            closest: Some(shown(closest)),
+        },
+        None => {
+            let known: Vec<String> = names.take(20).map(shown).collect();
+            let there_are = match &known[..] {
+                [] => "no camera of the scene has a name".to_owned(),
+                [only] => format!("there is only {only}"),
+                _ => format!("there are {}", known.join(", ")),
+            };
+            SceneErrorKind::Invalid(format!("no camera \"{}\"; {there_are}", shown(name)))
+        }
+    };
+    Err(SceneError::in_file(file, kind))
 }

@@ -1,5 +1,6 @@
 //! The native scene format: what scenes mean, what is said about bad ones, which files they reach.
 
+mod cameras;
 mod errors;
 mod files;
 mod meaning;

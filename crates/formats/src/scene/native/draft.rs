@@ -31,6 +31,8 @@ pub(super) struct Draft<'d> {
     grey: Option<MaterialId>,
     /// Where files are looked for.
     pub(super) files: Files<'d>,
+    /// What the scene calls its images.
+    pub(super) image_names: Vec<String>,
     /// Those that were read.
     pub(super) read: Vec<PathBuf>,
     /// What may be read in all.
@@ -59,6 +61,7 @@ impl<'d> Draft<'d> {
             mesh_files: HashMap::new(),
             grey: None,
             files: Files::beside(file, options),
+            image_names: Vec::new(),
             read: Vec::new(),
             limits: options.limits,
             left: options.limits,

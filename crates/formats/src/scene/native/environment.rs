@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
+use super::said::{self, Group, Said, color, degrees, number};
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use crate::image;
@@ -25,6 +26,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
                 |value| value.one_of("projection", PROJECTIONS),
                 Projection::default(),
             )?;
+            draft.image_names.push(table.must("image", Value::text)?.to_owned());
             EnvironmentLight::Image { image: draft.scene.add_image(image), projection }
         }
         _ => {
@@ -57,4 +59,24 @@ fn read_image(
         }
     };
     image.map_err(|error| value.invalid(error.to_string()))
+}
+
+/// The keys that say all of a sky; `image_names` are those of the scene's images.
+pub(super) fn keys_of(sky: &Environment, image_names: &[String]) -> Vec<Group> {
+    let light = match sky.light {
+        EnvironmentLight::Constant(rgb) => vec![Said::new("color", color(rgb))],
+        EnvironmentLight::Image { image, projection } => {
+            let name = image_names.get(image.0 as usize).map_or("", String::as_str);
+            let usual = said::name(PROJECTIONS, &Projection::default());
+            vec![
+                Said::new("image", said::text(name)),
+                Said::or("projection", said::name(PROJECTIONS, &projection), &usual),
+            ]
+        }
+    };
+    vec![
+        Group::of(&["image", "projection", "color"], light),
+        Group::or(&["scale"], number(sky.scale), "1"),
+        Group::or(&["rotation_degrees"], degrees(sky.rotation), "0"),
+    ]
 }

@@ -26,7 +26,7 @@ pub(super) const RENDER: &[&str] = &[
     "curve",
 ];
 
-pub(super) const ANY_CAMERA: &[&str] = &["type", "position", "look_at", "up"];
+pub(super) const ANY_CAMERA: &[&str] = &["name", "type", "position", "look_at", "up"];
 pub(super) const LENS: &[&str] = &[
     "aperture_radius",
     "focus_distance",

@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
+use super::said::{self, Group, Said, color, degrees, triple};
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use rutilant::light::{Light, SpotLight};
@@ -65,3 +66,43 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
     draft.scene.lights.push(light);
     Ok(())
 }
+
+/// The keys that say all of a light.
+pub(super) fn keys_of(light: &Light) -> Vec<Group> {
+    let kind = |name: &str| Group::one(&["type"], said::text(name));
+    match *light {
+        Light::Point { position, intensity } => vec![
+            kind("point"),
+            Group::of(AIM, [Said::new("position", triple(position))]),
+            Group::of(LIGHT, [Said::new("intensity", color(intensity))]),
+        ],
+        Light::Spot { position, direction, light, inner, outer } => vec![
+            kind("spot"),
+            // What a spot looks at is a direction from where it is.
+            Group::of(
+                AIM,
+                [
+                    Said::new("position", triple(position)),
+                    Said::new("direction", triple(direction)),
+                ],
+            ),
+            Group::of(
+                LIGHT,
+                [match light {
+                    SpotLight::Intensity(rgb) => Said::new("intensity", color(rgb)),
+                    SpotLight::Power(rgb) => Said::new("power", color(rgb)),
+                }],
+            ),
+            Group::or(&["outer_degrees"], degrees(outer), &said::number(OUTER_DEGREES)),
+            Group::or(&["inner_degrees"], degrees(inner), &said::number(INNER_DEGREES)),
+        ],
+        Light::Directional { direction, irradiance } => vec![
+            kind("directional"),
+            Group::of(AIM, [Said::new("direction", triple(direction))]),
+            Group::one(&["irradiance"], color(irradiance)),
+        ],
+    }
+}
+
+const AIM: &[&str] = &["position", "direction", "look_at"];
+const LIGHT: &[&str] = &["intensity", "power"];

@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
+use super::said::{self, Group, Said, Written, color, number};
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use crate::shown::shown;
@@ -235,4 +236,100 @@ fn note_lost_emission(draft: &mut Draft<'_>) {
             }
         }
     }
+}
+
+/// The keys that say all of a material; `None` for a custom one, which no file can say. `names`
+/// are those of all materials. A lamp, which is black and glows, is written "emissive" if `lamp`
+/// says so, or else "black" with an emission.
+pub(super) fn keys_of(material: &Material, names: &[String], lamp: bool) -> Option<Vec<Group>> {
+    let name = Group::one(&["name"], said::text(&material.name));
+    let kind = |name: &str| Group::one(&["type"], said::text(name));
+    if let (MaterialKind::Black, Some(emission), true) = (&material.kind, &material.emission, lamp)
+    {
+        let mut groups = vec![name, kind("emissive")];
+        groups.extend(keys_of_emission(emission));
+        return Some(groups);
+    }
+    let rough = |roughness| Group::or(&["roughness"], number(roughness), "0");
+    let part = |id: MaterialId| said::text(names.get(id.0 as usize).map_or("", String::as_str));
+    let ior = |ior| Group::or(&["ior"], number(ior), &number(GLASS));
+    let mut groups = match &material.kind {
+        MaterialKind::Black => vec![name, kind("black")],
+        MaterialKind::Null => vec![name, kind("null")],
+        MaterialKind::Matte(m) => {
+            let usual = said::name(SAMPLINGS, &HemisphereSampling::Cosine);
+            vec![
+                name,
+                kind("matte"),
+                Group::or(&["albedo"], color(m.albedo), "0.5"),
+                rough(m.roughness),
+                Group::or(&["sampling"], said::name(SAMPLINGS, &m.sampling), &usual),
+            ]
+        }
+        MaterialKind::Mirror(m) => {
+            vec![name, kind("mirror"), Group::or(&["reflectance"], color(m.reflectance), "1")]
+        }
+        MaterialKind::Conductor(m) => {
+            let metal = METALS.iter().find(|(_, metal)| metal.conductor(m.roughness) == *m);
+            let says = match metal {
+                Some((metal, _)) => vec![Said::new("metal", said::text(metal))],
+                None => vec![Said::new("eta", color(m.eta)), Said::new("k", color(m.k))],
+            };
+            let index = Group::of(&["metal", "eta", "k"], says);
+            vec![name, kind("conductor"), index, rough(m.roughness)]
+        }
+        MaterialKind::Dielectric(m) => {
+            let usual = said::name(FRESNELS, &Fresnel::Exact);
+            let absorption = match m.interior.absorption {
+                Absorption::None => Vec::new(),
+                Absorption::Coefficient(sigma) => vec![Said::new("sigma_a", color(sigma))],
+                Absorption::ColorAtDistance { color: left, distance } => vec![
+                    Said::new("absorption_color", color(left)),
+                    Said::or("absorption_distance", number(distance), "1"),
+                ],
+            };
+            vec![
+                name,
+                kind("dielectric"),
+                ior(m.interior.ior),
+                Group::or(&["exterior_ior"], number(m.exterior.ior), &number(Medium::AIR.ior)),
+                Group::of(&["sigma_a", "absorption_color", "absorption_distance"], absorption),
+                Group::or(&["fresnel"], said::name(FRESNELS, &m.fresnel), &usual),
+                Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
+                rough(m.roughness),
+            ]
+        }
+        MaterialKind::ThinDielectric(m) => vec![
+            name,
+            kind("thin-dielectric"),
+            ior(m.ior),
+            Group::or(&["color"], color(m.color), "1"),
+        ],
+        MaterialKind::Mix(m) => vec![
+            name,
+            kind("mix"),
+            Group::one(&["first"], part(m.first)),
+            Group::one(&["second"], part(m.second)),
+            Group::or(&["amount"], number(m.amount), "0.5"),
+        ],
+        MaterialKind::Custom(_) => return None,
+    };
+    let emission = material.emission.as_ref().map(|emission| Said {
+        key: "emission",
+        value: Written::Table(keys_of_emission(emission).into()),
+        usual: false,
+    });
+    groups.push(Group::of(&["emission"], emission.into_iter().collect::<Vec<_>>()));
+    Some(groups)
+}
+
+fn keys_of_emission(emission: &Emission) -> [Group; 2] {
+    let light = match emission.light {
+        EmittedLight::Radiance(rgb) => Said::new("radiance", color(rgb)),
+        EmittedLight::Power(rgb) => Said::new("power", color(rgb)),
+    };
+    [
+        Group::of(&["radiance", "power"], [light]),
+        Group::or(&["two_sided"], emission.two_sided.to_string(), "false"),
+    ]
 }

@@ -5,16 +5,20 @@
 //! numbers may be is decided by the scene's and the settings' own `validate`
 //! alone: a problem they find is traced back to the key it came from.
 
-mod camera;
+pub(crate) mod camera;
 mod document;
 mod draft;
+mod edit;
 mod environment;
 mod hex;
 mod keys;
+mod layout;
 mod light;
 mod material;
 mod placing;
 mod render;
+pub(crate) mod rewrite;
+mod said;
 mod shape;
 mod table;
 
@@ -57,10 +61,18 @@ pub(crate) fn parse(
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
+    with_room(file, || parse_here(text, file, options))
+}
+
+/// Runs something on a thread with room for the deepest tree.
+fn with_room<T: Send>(
+    file: &Path,
+    run: impl FnOnce() -> Result<T, SceneError> + Send,
+) -> Result<T, SceneError> {
     thread::scope(|scope| {
         thread::Builder::new()
             .stack_size(STACK)
-            .spawn_scoped(scope, || parse_here(text, file, options))
+            .spawn_scoped(scope, run)
             .map_err(|error| SceneError::in_file(file, SceneErrorKind::Io(error)))?
             .join()
             .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
@@ -92,11 +104,7 @@ fn parse_here(
     }
     draft.places.extend(render.map(|table| (Place::Settings, table)));
     settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
-    let camera = root.maybe("camera", |v| v.table("[camera]"))?;
-    if let Some(table) = camera {
-        draft.scene.camera = camera::read(&table, settings.size)?;
-        draft.places.insert(Place::Camera, table);
-    }
+    let (mut cameras, camera) = camera::read_all(&root, settings.size, file, options, &mut draft)?;
 
     // What there is. Materials come before the shapes that name them.
     let materials = root.or("material", |v| v.tables("[[material]]"), Vec::new())?;
@@ -110,7 +118,7 @@ fn parse_here(
     for table in root.or("shape", |v| v.tables("[[shape]]"), Vec::new())? {
         shape::read(&table, &mut draft)?;
     }
-    if camera.is_none() {
+    if cameras.is_empty() {
         let size = options.size.unwrap_or(settings.size);
         let chosen = frame_all(&draft.scene, size).ok_or_else(|| {
             root.invalid(if bounds_of_all(&draft.scene).is_empty() {
@@ -119,15 +127,16 @@ fn parse_here(
                 format!("there is no [camera], and what is there cannot have one: {TOO_LARGE}")
             })
         })?;
-        draft.scene.camera = chosen.into();
+        draft.scene.camera = chosen.camera;
+        cameras.push(chosen.authored);
         draft.notes.push(root.note("there is no [camera]: one was chosen that sees all shapes"));
     }
 
     // Whether all of it makes sense.
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
     let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
-    let Draft { scene, notes, read: files, .. } = draft;
-    Ok(LoadedScene { scene, settings, display, notes, files, lines })
+    let Draft { scene, notes, read: files, image_names, .. } = draft;
+    Ok(LoadedScene { scene, settings, display, cameras, camera, image_names, notes, files, lines })
 }
 
 /// The version of the format that is read here.

@@ -1,6 +1,7 @@
 //! `[render]`: how to make the picture.
 
 use super::keys;
+use super::said::{self, Group, Said, number, numbers};
 use super::table::{Table, Value};
 use crate::error::{SceneError, SceneErrorKind};
 use rutilant::display::{Curve, Display};
@@ -122,4 +123,77 @@ fn filter(table: &Table<'_>) -> Result<Filter, SceneError> {
         [*b, *c] = value.numbers("two numbers [B, C]")?;
     }
     Ok(filter)
+}
+
+/// The keys that say all of a rendering.
+pub(super) fn keys_of(settings: &Settings, display: &Display) -> Vec<Group> {
+    let usual = Settings::default();
+    let name = |key, text: String, usual: String| Group::or(key, text, &usual);
+    let crop = settings.crop.map(|c| numbers([c.x, c.y, c.width, c.height]));
+    vec![
+        Group::or(&["size"], numbers(settings.size), &numbers(usual.size)),
+        Group::maybe(&["crop"], crop),
+        Group::or(&["spp"], settings.spp.to_string(), &usual.spp.to_string()),
+        Group::maybe(&["max_depth"], settings.max_depth.map(|depth| depth.to_string())),
+        name(
+            &["integrator"],
+            said::name(INTEGRATORS, &settings.integrator),
+            said::name(INTEGRATORS, &usual.integrator),
+        ),
+        name(
+            &["sampler"],
+            said::name(SAMPLERS, &settings.sampler),
+            said::name(SAMPLERS, &usual.sampler),
+        ),
+        Group::or(&["seed"], settings.seed.to_string(), &usual.seed.to_string()),
+        keys_of_filter(&settings.filter),
+        name(
+            &["strategy"],
+            said::name(STRATEGIES, &settings.strategy),
+            said::name(STRATEGIES, &usual.strategy),
+        ),
+        name(
+            &["heuristic"],
+            said::name(HEURISTICS, &settings.heuristic),
+            said::name(HEURISTICS, &usual.heuristic),
+        ),
+        name(
+            &["roulette"],
+            said::name(ROULETTES, &settings.roulette),
+            said::name(ROULETTES, &usual.roulette),
+        ),
+        name(
+            &["light_selection"],
+            said::name(LIGHT_SELECTIONS, &settings.light_selection),
+            said::name(LIGHT_SELECTIONS, &usual.light_selection),
+        ),
+        Group::or(&["caustics"], settings.caustics.to_string(), &usual.caustics.to_string()),
+        Group::or(&["exposure"], number(display.exposure), "0"),
+        name(&["curve"], said::name(CURVES, &display.curve), said::name(CURVES, &Curve::default())),
+    ]
+}
+
+fn keys_of_filter(filter: &Filter) -> Group {
+    let kind = |filter: &Filter| std::mem::discriminant(filter);
+    let listed = FILTERS.iter().find(|(_, listed)| kind(listed) == kind(filter));
+    let (name, usual) = listed.copied().unwrap_or(("", Filter::default()));
+    let default = FILTERS.iter().find(|(_, listed)| kind(listed) == kind(&Filter::default()));
+    let default = default.map_or("", |(name, _)| name);
+    let says = |filter: &Filter| match *filter {
+        Filter::Box { radius } | Filter::Tent { radius } | Filter::BlackmanHarris { radius } => {
+            vec![("filter_radius", number(radius))]
+        }
+        Filter::Gaussian { radius, sigma } => {
+            vec![("filter_radius", number(radius)), ("filter_sigma", number(sigma))]
+        }
+        Filter::Mitchell { radius, b, c } => {
+            vec![("filter_radius", number(radius)), ("filter_bc", numbers([b, c].map(number)))]
+        }
+    };
+    let mut all = vec![Said::or("filter", said::text(name), &said::text(default))];
+    let usual = says(&usual).into_iter().map(|(_, value)| value);
+    all.extend(
+        says(filter).into_iter().zip(usual).map(|((key, v), usual)| Said::or(key, v, &usual)),
+    );
+    Group::of(&["filter", "filter_radius", "filter_sigma", "filter_bc"], all)
 }
