@@ -42,6 +42,7 @@ pub mod camera;
 pub mod color;
 mod cpu;
 pub mod display;
+pub mod false_color;
 pub mod film;
 pub mod focus;
 mod follow;

@@ -1,6 +1,5 @@
 //! `rutilant compare`: how far a picture is from a reference.
 
-mod false_color;
 mod flip;
 mod metrics;
 mod pixels;
@@ -18,6 +17,7 @@ use crate::text::several;
 use metrics::Errors;
 use pixels::Pixels;
 use rutilant::display::{Curve, Display, linear_from_srgb};
+use rutilant::false_color;
 use rutilant::image::Image;
 use rutilant_formats::image;
 use serde::Serialize;

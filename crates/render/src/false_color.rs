@@ -6,7 +6,7 @@
 //! to the public domain (CC0); here 17 of its colours with straight lines
 //! between them, which is never more than 0.011 off.
 
-use rutilant::display::linear_from_srgb;
+use crate::display::linear_from_srgb;
 
 /// sRGB bytes at 0, 1/16, …, 1.
 const MAGMA: [[u8; 3]; 17] = [
@@ -31,7 +31,7 @@ const MAGMA: [[u8; 3]; 17] = [
 
 /// The colour of a value from 0 to 1 (others are clamped, NaN is 0), as linear
 /// light from 0 to 1.
-pub(crate) fn magma(value: f32) -> [f32; 3] {
+pub fn magma(value: f32) -> [f32; 3] {
     let at = value.clamp(0.0, 1.0).max(0.0) * (MAGMA.len() - 1) as f32;
     let (low, part) = (at as usize, at.fract());
     let high = (low + 1).min(MAGMA.len() - 1);
