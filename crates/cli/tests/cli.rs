@@ -496,6 +496,37 @@ fn middle_grey_is_118_for_eyes_and_itself_in_files_of_light() {
     }
 }
 
+/// `--camera` sees the scene by another of its cameras, in all modes.
+#[test]
+fn cameras_are_chosen_by_name() {
+    let desk = Desk::new();
+    let (head, tail) = ROOM.split_once("[camera]\n").expect("a camera");
+    let camera = |name: &str, at: &str| {
+        format!("[[camera]]\nname = \"{name}\"\nposition = {at}\nlook_at = [0, 0, 0]\n")
+    };
+    let two = [camera("front", "[0, 1, 5]"), camera("top", "[0, 6, 1]")].concat();
+    let rest = &tail[tail.find("\n[").expect("another table")..];
+    fs::write(desk.path("two.toml"), format!("{head}{two}{rest}")).unwrap();
+    let hash =
+        |options: &str| desk.json(&format!("two.toml {options} --json -o a.hdr"))["hash"].clone();
+    assert_eq!(hash(""), hash("--camera front"));
+    assert_ne!(hash(""), hash("--camera top"));
+    let names =
+        |options: &str| desk.json(&format!("info two.toml --json {options}"))["cameras"].clone();
+    assert_eq!(names(""), serde_json::json!(["front", "top"]));
+    assert_eq!(names("--camera top"), serde_json::json!(["top", "front"]));
+    assert!(desk.run("info two.toml").out.contains("cameras    front, top\n"));
+    for mode in ["render", "check", "info"] {
+        let ran = desk.run(&format!("{mode} two.toml --camera tp"));
+        assert_eq!(ran.status, 2);
+        assert!(
+            ran.error.contains("two.toml: no camera \"tp\"; did you mean \"top\"?"),
+            "{}",
+            ran.error
+        );
+    }
+}
+
 /// Focusing says what became sharp, changes the picture only where there is a lens, and is kept
 /// with the picture.
 #[test]
