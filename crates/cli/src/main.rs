@@ -18,6 +18,7 @@ mod output;
 mod progress;
 mod render;
 mod say;
+mod tev;
 mod text;
 
 use clap::{Parser, Subcommand};

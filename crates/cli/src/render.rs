@@ -8,6 +8,7 @@ use crate::options::{self, Bits, Channels, DisplayCurve, Integrator, Sampler};
 use crate::output::{self, Detail};
 use crate::progress::{Goal, Reporter, Spinner, Style};
 use crate::say::{print_json, print_line, tell};
+use crate::tev;
 use crate::text::{scaled, several, time};
 use rutilant::display::Display;
 use rutilant::image::Image;
@@ -29,6 +30,7 @@ Examples:
                                                         a window of a large picture, the same pixels
   rutilant render kitchen.toml --integrator normals     what the camera sees, without light
   rutilant render kitchen.toml --focus-on 400,300       what is in this pixel becomes sharp
+  rutilant render kitchen.toml --tev localhost          watch it in tev, while it is rendered
 
 Ctrl-C finishes the pass and writes the image; a second Ctrl-C stops at once.";
 
@@ -104,6 +106,10 @@ pub(crate) struct Args {
     /// How progress is shown
     #[arg(long, value_name = "STYLE", help_heading = RUNNING, value_enum, default_value_t = Style::Bar)]
     progress: Style,
+    /// Show the picture as it goes on in the image viewer tev, which listens there; without a port
+    /// at 14158
+    #[arg(long, value_name = "HOST:PORT", help_heading = RUNNING, value_parser = tev::Address::parse, allow_hyphen_values = true)]
+    tev: Option<tev::Address>,
     /// Say nothing but results and errors
     #[arg(short, long, help_heading = RUNNING)]
     quiet: bool,
@@ -169,6 +175,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let interrupt = Interrupt::install()?;
     // Whether a file can be written is found out by making one.
     let outputs = interrupt.while_writing(|| outputs(args))?;
+    let viewer = args.tev.as_ref().map(tev::Address::connect).transpose()?;
     load::use_threads(args.threads)?;
     let style = if args.quiet && args.progress == Style::Bar { Style::None } else { args.progress };
 
@@ -210,7 +217,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     }
 
     // Render.
-    let rendered = render(args, style, &prepared, &settings, &interrupt)?;
+    let mut rendered = render(args, style, &prepared, &settings, &interrupt, viewer)?;
+    notes.append(&mut rendered.notes);
 
     // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
@@ -220,6 +228,12 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         |path: &PathBuf| output::write(path, &rendered.image, &display, detail, metadata.clone());
     let (written, writing) =
         timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));
+    if let Some(trouble) = rendered.viewer.take().and_then(tev::Viewer::finish) {
+        if !args.quiet {
+            tell(&format!("note: {trouble}"));
+        }
+        notes.push(trouble);
+    }
     if written.iter().any(Result::is_err) {
         for (output, _) in outputs.iter().zip(&written).filter(|(_, result)| result.is_ok()) {
             tell(&format!("wrote {}", output.display()));
@@ -363,9 +377,13 @@ fn metadata(args: &Args, settings: &Settings, rendered: &Rendered) -> Vec<(Strin
 
 /// A picture, and how it came about.
 struct Rendered {
-    image: Image,
+    image: Arc<Image>,
     progress: Progress,
     time: Duration,
+    /// Where the image is on its way to.
+    viewer: Option<tev::Viewer>,
+    /// What was said on the way.
+    notes: Vec<String>,
 }
 
 /// Renders until the samples are taken, the time is over, or the user has seen enough.
@@ -375,6 +393,7 @@ fn render(
     prepared: &Arc<Prepared>,
     settings: &Settings,
     interrupt: &Interrupt,
+    viewer: Option<tev::Connection>,
 ) -> Result<Rendered, Failure> {
     /// How often to look.
     const PERIOD: Duration = Duration::from_millis(50);
@@ -382,14 +401,22 @@ fn render(
     let pixels = u64::from(width) * u64::from(height);
     let spp = (settings.spp != UNBOUNDED).then_some(settings.spp);
     let mut reporter = Reporter::start(style, Goal { pixels, spp, time: args.time });
-    let session = Session::start(Arc::clone(prepared), settings.clone(), args.threads)?;
+    let session = Arc::new(Session::start(Arc::clone(prepared), settings.clone(), args.threads)?);
+    let name = load::stem(args.scene.as_deref()).to_string_lossy().into_owned();
+    let mut viewer = viewer.map(|viewer| viewer.show(name, &session, args.threads)).transpose()?;
     interrupt.rendering_starts();
 
-    let mut stopping = false;
+    let (mut stopping, mut notes) = (false, Vec::new());
     let progress = loop {
         let finished = session.wait(PERIOD);
         let progress = session.progress();
         reporter.update(&progress)?;
+        if let Some(trouble) = viewer.as_mut().and_then(tev::Viewer::trouble) {
+            if !args.quiet {
+                reporter.say(&format!("note: {trouble}; the rendering goes on"));
+            }
+            notes.push(trouble);
+        }
         if finished {
             break progress;
         }
@@ -412,7 +439,11 @@ fn render(
     if progress.samples < settings.spp && !stopping {
         return Err(Failure::failed("the rendering broke off; this is a bug in the renderer"));
     }
-    Ok(Rendered { image: session.snapshot(), progress, time })
+    let image = Arc::new(session.snapshot());
+    if let Some(viewer) = &viewer {
+        viewer.show_last(Arc::clone(&image));
+    }
+    Ok(Rendered { image, progress, time, viewer, notes })
 }
 
 /// True when the pass in flight should be the last one: the time is over, or another pass
