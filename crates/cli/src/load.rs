@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 /// The scene that is rendered when none is named.
 pub(crate) const BUILT_IN: &str = "glass-cube";
-const BUILT_IN_FILE: &str = "glass-cube.toml";
-const BUILT_IN_TEXT: &str = include_str!("../../../scenes/glass-cube.toml");
+pub(crate) const BUILT_IN_FILE: &str = "glass-cube.toml";
+pub(crate) const BUILT_IN_TEXT: &str = include_str!("../../../scenes/glass-cube.toml");
 /// The images it uses, by the names it uses.
-const BUILT_IN_IMAGES: &[(&str, &[u8])] =
+pub(crate) const BUILT_IN_IMAGES: &[(&str, &[u8])] =
     &[("skies/overcast_sea.hdr", include_bytes!("../../../scenes/skies/overcast_sea.hdr"))];
 
 /// How scenes are read.

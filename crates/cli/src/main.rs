@@ -20,6 +20,8 @@ mod render;
 mod say;
 mod tev;
 mod text;
+#[cfg(feature = "window")]
+mod view;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -48,6 +50,10 @@ enum Mode {
     /// Render a scene; this is what happens when no command is named
     #[command(after_help = render::EXAMPLES)]
     Render(render::Args),
+    /// Open a window on a scene: move, look and edit while the picture clears up
+    #[cfg(feature = "window")]
+    #[command(after_help = view::EXAMPLES)]
+    View(view::Args),
     /// Read, validate and prepare scenes, render nothing
     Check(check::Args),
     /// Say what is in a scene: triangles, materials, lights, bounds, ray tree
@@ -84,6 +90,8 @@ fn main() -> ExitCode {
     let end = match &cli.mode {
         None => render::run(&cli.render),
         Some(Mode::Render(args)) => render::run(args),
+        #[cfg(feature = "window")]
+        Some(Mode::View(args)) => view::run(args),
         Some(Mode::Check(args)) => check::run(args),
         Some(Mode::Info(args)) => info::run(args),
         Some(Mode::Compare(args)) => compare::run(args),

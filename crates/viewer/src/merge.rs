@@ -1,0 +1,78 @@
+//! A scene file changed on disk while it was being edited: what counts?
+//!
+//! What the file changed counts. What it left as it was stays as the window has
+//! it, so that one can look around while one writes. Materials are told apart
+//! by their names.
+
+use rutilant::material::Material;
+use rutilant_formats::Look;
+
+/// The look `mine`, which began as `before`, on top of the file's new look `theirs`.
+pub(crate) fn merged(before: &Look, mine: &Look, theirs: &Look) -> Look {
+    fn pick<T: PartialEq + Clone>(before: &T, mine: &T, theirs: &T) -> T {
+        if before == theirs { mine.clone() } else { theirs.clone() }
+    }
+    let materials = theirs.materials.iter().map(|theirs| {
+        let named = |all: &[Material]| all.iter().find(|m| m.name == theirs.name).cloned();
+        match (named(&before.materials), named(&mine.materials)) {
+            // A mix names others by number, which may have moved.
+            (Some(before), Some(mine)) if before == *theirs && !is_mix(&mine) => mine,
+            _ => theirs.clone(),
+        }
+    });
+    // Images are numbered anew as well; a sky of the window's own is none of the file's.
+    Look {
+        camera: pick(&before.camera, &mine.camera, &theirs.camera),
+        environment: pick(&before.environment, &mine.environment, &theirs.environment),
+        materials: materials.collect(),
+        lights: pick(&before.lights, &mine.lights, &theirs.lights),
+        settings: pick(&before.settings, &mine.settings, &theirs.settings),
+        display: pick(&before.display, &mine.display, &theirs.display),
+    }
+}
+
+fn is_mix(material: &Material) -> bool {
+    matches!(material.kind, rutilant::material::MaterialKind::Mix(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rutilant::color::Rgb;
+    use rutilant::material::Matte;
+    use rutilant_formats::camera::AuthoredCamera;
+    use rutilant_geom::Vec3;
+
+    fn look(albedo: f32, spp: u64, x: f32) -> Look {
+        let material = |name: &str| Material::from(Matte::new(Rgb::grey(albedo))).named(name);
+        Look {
+            camera: AuthoredCamera::perspective(Vec3::X * x, Vec3::Z, 40.0),
+            environment: None,
+            materials: vec![material("a"), material("b")],
+            lights: Vec::new(),
+            settings: rutilant::settings::Settings { spp, ..Default::default() },
+            display: Default::default(),
+        }
+    }
+
+    /// Each part comes from the side that changed it, and from the file where both did.
+    #[test]
+    fn the_file_counts_where_it_changed() {
+        let before = look(0.5, 16, 1.0);
+        let mut mine = look(0.5, 16, 2.0);
+        mine.materials[0] = look(0.7, 0, 0.0).materials[0].clone();
+        let mut theirs = look(0.5, 99, 1.0);
+        theirs.materials[1] = look(0.9, 0, 0.0).materials[1].clone();
+        let all = merged(&before, &mine, &theirs);
+        assert_eq!(all.camera, mine.camera);
+        assert_eq!(all.settings, theirs.settings);
+        assert_eq!(all.materials[0], mine.materials[0]);
+        assert_eq!(all.materials[1], theirs.materials[1]);
+
+        theirs.camera.position.x = 7.0;
+        assert_eq!(merged(&before, &mine, &theirs).camera, theirs.camera);
+        theirs.materials.remove(0);
+        assert_eq!(merged(&before, &mine, &theirs).materials, theirs.materials);
+        assert_eq!(merged(&before, &mine, &before), mine);
+    }
+}

@@ -1,0 +1,82 @@
+//! What the window remembers between two uses: recent files and changed keys.
+//!
+//! A small TOML file in the user's folder for settings. It may be missing,
+//! broken or read-only: then the window starts as new, and forgets.
+
+use crate::keys::KeyMap;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Recent files kept.
+const MOST_RECENT: usize = 10;
+
+/// What is remembered.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(default)]
+pub(crate) struct Preferences {
+    /// The newest first.
+    pub(crate) recent: Vec<PathBuf>,
+    /// Keys that are not the usual ones.
+    pub(crate) keys: BTreeMap<String, String>,
+}
+
+impl Preferences {
+    /// Where they are kept, if there is such a place.
+    pub(crate) fn usual_file() -> Option<PathBuf> {
+        let folders = directories::ProjectDirs::from("", "", "rutilant")?;
+        Some(folders.config_dir().join("window.toml"))
+    }
+
+    /// Those in a file; the usual ones where there are none.
+    pub(crate) fn read(file: &Path) -> Self {
+        let text = std::fs::read_to_string(file).unwrap_or_default();
+        toml::from_str(&text).unwrap_or_default()
+    }
+
+    /// Keeps them in a file, as far as that can be done.
+    pub(crate) fn write(&self, file: &Path) -> std::io::Result<()> {
+        let text = toml::to_string(self).map_err(std::io::Error::other)?;
+        if let Some(folder) = file.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        std::fs::write(file, text)
+    }
+
+    /// A file that was opened is the newest.
+    pub(crate) fn opened(&mut self, file: &Path) {
+        let file = file.canonicalize().unwrap_or_else(|_| file.to_owned());
+        self.recent.retain(|other| *other != file);
+        self.recent.insert(0, file);
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    pub(crate) fn key_map(&self) -> KeyMap {
+        KeyMap::from_names(&self.keys).0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is written comes back; nonsense costs nothing but itself.
+    #[test]
+    fn they_are_remembered() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("deep/er/window.toml");
+        assert_eq!(Preferences::read(&file), Preferences::default());
+        let mut preferences = Preferences::default();
+        for i in 0..15 {
+            preferences.opened(Path::new(&format!("/scenes/{i}.toml")));
+        }
+        preferences.opened(Path::new("/scenes/9.toml"));
+        assert_eq!(preferences.recent.len(), MOST_RECENT);
+        assert_eq!(preferences.recent[0], Path::new("/scenes/9.toml"));
+        preferences.keys.insert("forward".into(), "I".into());
+        preferences.write(&file).unwrap();
+        assert_eq!(Preferences::read(&file), preferences);
+        std::fs::write(&file, "recent = 3\u{0}").unwrap();
+        assert_eq!(Preferences::read(&file), Preferences::default());
+    }
+}

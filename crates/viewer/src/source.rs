@@ -1,0 +1,229 @@
+//! Where scenes come from, and how they are read: from a file or built in.
+
+use rutilant::Prepared;
+use rutilant::settings::Settings;
+use rutilant_formats::camera::AuthoredCamera;
+use rutilant_formats::{Limits, LoadedScene, Look, ReadOptions, parse_native, read_scene};
+use rutilant_geom::Aabb;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::live::Stage;
+
+/// A scene that needs no disk.
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltIn {
+    /// The file that it would stand in.
+    pub file: &'static str,
+    /// Its text, in the native format.
+    pub text: &'static str,
+    /// The images that it uses, by the names that it uses.
+    pub images: &'static [(&'static str, &'static [u8])],
+}
+
+/// How scenes are read.
+#[derive(Clone)]
+pub struct Reading {
+    /// What is shown where no file is named.
+    pub built_in: BuiltIn,
+    /// How much files may ask for.
+    pub limits: Limits,
+    /// Whether scenes may name files outside their own folders.
+    pub allow_outside: bool,
+    /// The camera to begin with, by its name.
+    pub camera: Option<String>,
+    /// The size of the picture, whatever the scene says.
+    pub size: Option<[u32; 2]>,
+    /// What else of its settings the scene does not decide.
+    pub adjust: Arc<dyn Fn(&mut Settings) + Send + Sync>,
+}
+
+/// A scene that has been read, without what is traced.
+pub(crate) struct Document {
+    /// `None` for the built-in one.
+    pub(crate) file: Option<PathBuf>,
+    /// Its text, where it is a native scene.
+    pub(crate) text: Option<String>,
+    /// How it looks by its file, and by what was said when the window was opened.
+    pub(crate) look: Look,
+    /// Its cameras by the file.
+    pub(crate) cameras: Vec<AuthoredCamera>,
+    pub(crate) image_names: Vec<String>,
+    /// The files that it is made of, its own not among them.
+    pub(crate) files: Vec<PathBuf>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) bounds: Aabb,
+    pub(crate) triangles: u64,
+    /// How long it took to read it, and to make it traceable.
+    pub(crate) took: [Duration; 2],
+}
+
+impl Document {
+    /// What people call it.
+    pub(crate) fn name(&self, reading: &Reading) -> String {
+        let file = self.file.as_deref().unwrap_or(Path::new(reading.built_in.file));
+        file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+/// What is being done to open a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    Reading,
+    /// Building the tree of so many triangles.
+    Building(u64),
+}
+
+/// A scene that is being opened on a thread of its own.
+pub(crate) struct Opening {
+    pub(crate) file: Option<PathBuf>,
+    pub(crate) since: Instant,
+    /// Whether it is the scene that is shown already.
+    pub(crate) again: bool,
+    shared: Arc<Mutex<(Step, Option<Opened>)>>,
+}
+
+/// A scene, or the one line that says why there is none.
+pub(crate) type Opened = Result<Box<(Stage, Document)>, String>;
+
+impl Opening {
+    /// Begins to open a scene, the built-in one without a file; `wake` is called at each step.
+    pub(crate) fn begin(
+        file: Option<PathBuf>,
+        again: bool,
+        reading: &Reading,
+        wake: impl Fn() + Send + 'static,
+    ) -> Self {
+        let shared = Arc::new(Mutex::new((Step::Reading, None)));
+        let (theirs, path, reading) = (Arc::clone(&shared), file.clone(), reading.clone());
+        std::thread::spawn(move || {
+            let step = |step| {
+                lock(&theirs).0 = step;
+                wake();
+            };
+            let opened = open(path.as_deref(), &reading, step).map(Box::new);
+            lock(&theirs).1 = Some(opened);
+            wake();
+        });
+        Self { file, since: Instant::now(), again, shared }
+    }
+
+    pub(crate) fn step(&self) -> Step {
+        lock(&self.shared).0
+    }
+
+    /// What came of it, once it is there.
+    pub(crate) fn take(&self) -> Option<Opened> {
+        lock(&self.shared).1.take()
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Reads a scene and makes it traceable.
+pub(crate) fn open(
+    file: Option<&Path>,
+    reading: &Reading,
+    step: impl Fn(Step),
+) -> Result<(Stage, Document), String> {
+    let begin = Instant::now();
+    let (text, mut loaded) = read(file, reading)?;
+    (reading.adjust)(&mut loaded.settings);
+    if let Some(size) = reading.size {
+        loaded.settings.size = size;
+    }
+    loaded.settings.validate().map_err(|problem| problem.to_string())?;
+    let read = begin.elapsed();
+
+    let triangles = loaded.scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
+    step(Step::Building(triangles));
+    let look = loaded.look();
+    // What a pixel means depends on the size, which may be another than the file's.
+    loaded.scene.camera = look.camera.camera(look.settings.size).map_err(|p| p.to_string())?;
+    let prepared = Prepared::new(&loaded.scene).map_err(|problem| problem.to_string())?;
+    let prepared = Arc::new(prepared);
+    let took = [read, begin.elapsed() - read];
+
+    let shown = file.unwrap_or(Path::new(reading.built_in.file));
+    let report = prepared.report();
+    let mended = report.notes.iter().map(|note| loaded.locate(note, shown));
+    let notes = loaded.notes.iter().cloned().chain(mended).collect();
+    let (bounds, triangles) = (report.bounds, report.triangles);
+    let LoadedScene { scene, cameras, image_names, files, .. } = loaded;
+    let document = Document {
+        file: file.map(Path::to_owned),
+        text,
+        look: look.clone(),
+        cameras,
+        image_names,
+        files,
+        notes,
+        bounds,
+        triangles,
+        took,
+    };
+    Ok((Stage { scene, prepared, look: Arc::new(look) }, document))
+}
+
+/// The scene and, if it is a native one, its text.
+fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, LoadedScene), String> {
+    let options = ReadOptions {
+        limits: reading.limits,
+        allow_outside: reading.allow_outside,
+        size: reading.size,
+        camera: reading.camera.as_deref(),
+        embedded: if file.is_none() { reading.built_in.images } else { &[] },
+    };
+    let error = |error: rutilant_formats::SceneError| error.to_string();
+    let Some(file) = file else {
+        let BuiltIn { text, file, .. } = reading.built_in;
+        let loaded = parse_native(text, Path::new(file), &options).map_err(error)?;
+        return Ok((Some(text.to_owned()), loaded));
+    };
+    let loaded = read_scene(file, &options).map_err(error)?;
+    // A text that was changed while it was read is not that of this scene: it is not kept, and the
+    // change will be seen.
+    let native = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let text = native.then(|| std::fs::read_to_string(file).ok()).flatten();
+    Ok((text, loaded))
+}
+
+/// The text of the scene as it looks now, to be written to `to`; `image_names` are those of all
+/// images by number.
+pub(crate) fn text_of(
+    document: &Document,
+    look: &Look,
+    image_names: &[String],
+    to: &Path,
+    reading: &Reading,
+) -> Result<String, String> {
+    let options = ReadOptions {
+        limits: reading.limits,
+        allow_outside: reading.allow_outside,
+        camera: (!look.camera.name.is_empty()).then_some(&*look.camera.name),
+        embedded: if document.file.is_none() { reading.built_in.images } else { &[] },
+        ..ReadOptions::default()
+    };
+    let error = |error: rutilant_formats::SceneError| error.to_string();
+    // What the window was opened with is no part of the scene.
+    let mut look = look.clone();
+    look.settings.planned_spp = None;
+    match (&document.text, &document.file) {
+        (Some(text), file) => {
+            let file = file.as_deref().unwrap_or(Path::new(reading.built_in.file));
+            let before = parse_native(text, file, &options).map_err(error)?;
+            rutilant_formats::rewrite(text, file, &options, &before, &look, image_names)
+                .map_err(error)
+        }
+        (None, Some(file)) => {
+            let before = read_scene(file, &options).map_err(error)?;
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            rutilant_formats::native_for_mesh(&name, to, &options, &before, &look, image_names)
+                .map_err(error)
+        }
+        (None, None) => Err("there is nothing to save".to_owned()),
+    }
+}

@@ -1,0 +1,439 @@
+//! The panels: everything of a scene's look that can be changed by hand.
+//!
+//! They change a draft of the look; the window compares it with what there was.
+
+use super::widgets::{color, degrees, light, number, row};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Slider, Ui};
+use rutilant::color::Rgb;
+use rutilant::display::Curve;
+use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
+use rutilant::material::{
+    Absorption, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Metal, Mirror,
+    ThinDielectric,
+};
+use rutilant::settings::{IntegratorKind, SamplerKind};
+use rutilant_formats::Look;
+use rutilant_formats::camera::{AngleOfView, Aperture, AuthoredCamera, CameraKind, FocusOn};
+use rutilant_geom::Vec3;
+
+/// Names of curves, as the scene format has them.
+pub(super) const CURVES: [(Curve, &str); 5] = [
+    (Curve::Clip, "clip"),
+    (Curve::Filmic, "filmic"),
+    (Curve::Reinhard, "reinhard"),
+    (Curve::Aces, "aces"),
+    (Curve::Agx, "agx"),
+];
+
+const INTEGRATORS: [(IntegratorKind, &str); 7] = [
+    (IntegratorKind::Path, "path"),
+    (IntegratorKind::Naive, "naive"),
+    (IntegratorKind::Direct, "direct"),
+    (IntegratorKind::AmbientOcclusion, "ao"),
+    (IntegratorKind::Normals, "normals"),
+    (IntegratorKind::Albedo, "albedo"),
+    (IntegratorKind::Depth, "depth"),
+];
+
+/// One of several values, by its name.
+pub(super) fn choose<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    label: &str,
+    value: &mut T,
+    names: &[(T, &'static str)],
+) {
+    row(ui, label, |ui, name| {
+        let current = names.iter().find(|(v, _)| v == value).map_or("", |(_, text)| text);
+        let choice = ComboBox::from_id_salt(label).selected_text(current).show_ui(ui, |ui| {
+            for (other, name) in names {
+                ui.selectable_value(value, *other, *name);
+            }
+        });
+        choice.response.labelled_by(name);
+    });
+}
+
+fn section(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(title).default_open(open).show(ui, contents);
+}
+
+/// Where the camera stands, and its lens. Returns true where the next click shall focus.
+pub(super) fn camera(ui: &mut Ui, camera: &mut AuthoredCamera, picking: bool) -> bool {
+    let mut pick = picking;
+    section(ui, "Camera and lens", true, |ui| {
+        point(ui, "Position", &mut camera.position);
+        point(ui, "Looks at", &mut camera.look_at);
+        match &mut camera.kind {
+            CameraKind::Perspective { view, lens, .. } => {
+                match view {
+                    AngleOfView::FovDegrees(fov) => degrees(ui, "Field of view", fov, 1.0..=170.0),
+                    AngleOfView::FocalLengthMm(length) => {
+                        number(ui, "Focal length, mm", length, 1.0..=1000.0, true);
+                    }
+                }
+                match &mut lens.aperture {
+                    Aperture::Radius(radius) => {
+                        number(ui, "Aperture radius, m", radius, 0.0..=10.0, true);
+                    }
+                    Aperture::FNumber(f) => number(ui, "f-number", f, 0.1..=128.0, true),
+                }
+            }
+            CameraKind::Orthographic { height, lens } => {
+                number(ui, "Height, m", height, 1e-3..=1e6, true);
+                if let Aperture::Radius(radius) = &mut lens.aperture {
+                    number(ui, "Aperture radius, m", radius, 0.0..=10.0, true);
+                }
+            }
+            CameraKind::Equirectangular => {}
+        }
+        let along = (camera.look_at - camera.position).length();
+        if let Some(lens) = camera.kind.lens_mut() {
+            row(ui, "Blades", |ui, name| {
+                let mut blades = lens.blades;
+                ui.add(DragValue::new(&mut blades).range(0..=100).speed(0.05)).labelled_by(name);
+                // Two edges make no polygon.
+                let more = blades > lens.blades;
+                lens.blades = match blades {
+                    1 | 2 => {
+                        if more {
+                            3
+                        } else {
+                            0
+                        }
+                    }
+                    _ => blades,
+                };
+            });
+            let mut distance = match lens.focus {
+                FocusOn::Distance(distance) => distance,
+                FocusOn::LookAt | FocusOn::Point(_) | FocusOn::Pixel(_) => along,
+            };
+            let before = distance;
+            number(ui, "Focus distance, m", &mut distance, 1e-3..=1e6, true);
+            if distance != before {
+                lens.focus = FocusOn::Distance(distance);
+            }
+            ui.horizontal(|ui| {
+                ui.toggle_value(&mut pick, "Focus on a point…").on_hover_text(
+                    "Then click on it, through glass or in mirrors. A double click does the same",
+                );
+                if ui.button("On what it looks at").clicked() {
+                    lens.focus = FocusOn::LookAt;
+                }
+            });
+        }
+    });
+    pick
+}
+
+fn point(ui: &mut Ui, label: &str, point: &mut Vec3) {
+    row(ui, label, |ui, name| {
+        let speed = f64::from(point.abs().max_element()).max(0.1) * 2e-3;
+        for (i, axis) in ["x", "y", "z"].iter().enumerate() {
+            let value =
+                DragValue::new(&mut point[i]).speed(speed).range(-1e12..=1e12).max_decimals(3);
+            ui.add(value).labelled_by(name).on_hover_text(*axis);
+        }
+    });
+}
+
+/// All materials.
+pub(super) fn materials(ui: &mut Ui, materials: &mut [Material], filter: &mut String) {
+    /// More would make the panel slow; the filter finds the others.
+    const MOST: usize = 60;
+    section(ui, "Materials", true, |ui| {
+        let many = materials.len() > 8;
+        if many {
+            row(ui, "Find", |ui, name| ui.text_edit_singleline(filter).labelled_by(name));
+        }
+        let mut left = MOST;
+        for (i, material) in materials.iter_mut().enumerate() {
+            if many && !material.name.to_lowercase().contains(&filter.to_lowercase()) {
+                continue;
+            }
+            let Some(less) = left.checked_sub(1) else {
+                ui.weak("… and more: name one above");
+                break;
+            };
+            left = less;
+            let name = if material.name.is_empty() { "without a name" } else { &material.name };
+            let title = format!("{name}  ·  {}", kind_name(&material.kind));
+            CollapsingHeader::new(title).id_salt(i).show(ui, |ui| one_material(ui, material));
+        }
+    });
+}
+
+fn kind_name(kind: &MaterialKind) -> &'static str {
+    match kind {
+        MaterialKind::Black => "black",
+        MaterialKind::Matte(_) => "matte",
+        MaterialKind::Mirror(_) => "mirror",
+        MaterialKind::Conductor(_) => "conductor",
+        MaterialKind::Dielectric(_) => "dielectric",
+        MaterialKind::ThinDielectric(_) => "thin-dielectric",
+        MaterialKind::Null => "null",
+        MaterialKind::Mix(_) => "mix",
+        MaterialKind::Custom(_) => "custom",
+    }
+}
+
+fn one_material(ui: &mut Ui, material: &mut Material) {
+    change_kind(ui, material);
+    match &mut material.kind {
+        MaterialKind::Black | MaterialKind::Null => {}
+        MaterialKind::Matte(m) => {
+            color(ui, "Albedo", &mut m.albedo);
+            if m.sampling == rutilant::material::HemisphereSampling::Cosine {
+                number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
+            }
+        }
+        MaterialKind::Mirror(m) => color(ui, "Reflectance", &mut m.reflectance),
+        MaterialKind::Conductor(m) => {
+            row(ui, "Metal", |ui, _| {
+                for (metal, name) in [
+                    (Metal::Gold, "gold"),
+                    (Metal::Copper, "copper"),
+                    (Metal::Silver, "silver"),
+                    (Metal::Aluminium, "aluminium"),
+                ] {
+                    let measured = metal.conductor(m.roughness);
+                    if ui.selectable_label(*m == measured, name).clicked() {
+                        *m = measured;
+                    }
+                }
+            });
+            number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
+        }
+        MaterialKind::Dielectric(m) => dielectric(ui, m),
+        MaterialKind::ThinDielectric(m) => {
+            number(ui, "Index of refraction", &mut m.ior, 1.0..=3.0, false);
+            color(ui, "Color", &mut m.color);
+        }
+        MaterialKind::Mix(m) => number(ui, "Amount of the second", &mut m.amount, 0.0..=1.0, false),
+        MaterialKind::Custom(_) => {
+            ui.weak("made by a program; it cannot be changed here");
+        }
+    }
+    let priority = matches!(&material.kind, MaterialKind::Dielectric(d) if d.priority.is_some());
+    if !priority {
+        emission(ui, &mut material.emission);
+    }
+}
+
+fn dielectric(ui: &mut Ui, m: &mut Dielectric) {
+    // Rough borders have less room.
+    let highest = if m.roughness > 0.0 { 2.4 } else { 4.0 };
+    number(ui, "Index of refraction", &mut m.interior.ior, 1.0..=highest, false);
+    let may_be_rough = m.fresnel == rutilant::bsdf::Fresnel::Exact
+        && m.interior.ior.max(m.exterior.ior) <= 2.4 * m.interior.ior.min(m.exterior.ior);
+    if may_be_rough {
+        number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
+    }
+    match &mut m.interior.absorption {
+        Absorption::None => {
+            if ui.button("Give it a color").clicked() {
+                let color = Rgb([0.7, 0.85, 0.8]);
+                m.interior.absorption = Absorption::ColorAtDistance { color, distance: 0.1 };
+            }
+        }
+        Absorption::Coefficient(sigma) => light(ui, "Absorption, 1/m", sigma),
+        Absorption::ColorAtDistance { color: tint, distance } => {
+            let before = *tint;
+            color(ui, "Color inside", tint);
+            if *tint != before {
+                // Black after any distance would have no coefficient.
+                tint.0 = tint.0.map(|c| c.max(1e-4));
+            }
+            number(ui, "after, m", distance, 1e-4..=1e4, true);
+        }
+    }
+}
+
+fn emission(ui: &mut Ui, emission: &mut Option<Emission>) {
+    let mut glows = emission.is_some();
+    if ui.checkbox(&mut glows, "Glows").changed() {
+        *emission = glows.then(|| Emission::radiance(Rgb::WHITE));
+    }
+    if let Some(Emission { light: amount, two_sided }) = emission {
+        match amount {
+            EmittedLight::Radiance(rgb) => light(ui, "Radiance, W/(m² sr)", rgb),
+            EmittedLight::Power(rgb) => light(ui, "Power, W", rgb),
+        }
+        ui.checkbox(two_sided, "On both sides");
+    }
+}
+
+fn change_kind(ui: &mut Ui, material: &mut Material) {
+    if matches!(material.kind, MaterialKind::Mix(_) | MaterialKind::Custom(_) | MaterialKind::Null)
+    {
+        return;
+    }
+    row(ui, "Type", |ui, label| {
+        let kind = kind_name(&material.kind);
+        let choice = ComboBox::from_id_salt("type").selected_text(kind).show_ui(ui, |ui| {
+            let kinds = [
+                MaterialKind::Matte(Matte::new(Rgb::grey(0.5))),
+                MaterialKind::Mirror(Mirror { reflectance: Rgb::WHITE }),
+                MaterialKind::Conductor(Metal::Gold.conductor(0.2)),
+                MaterialKind::Dielectric(Dielectric::new(1.5)),
+                MaterialKind::ThinDielectric(ThinDielectric { ior: 1.5, color: Rgb::WHITE }),
+                MaterialKind::Black,
+            ];
+            for kind in kinds {
+                let name = kind_name(&kind);
+                let same = name == kind_name(&material.kind);
+                if ui.selectable_label(same, name).clicked() && !same {
+                    material.kind = kind;
+                }
+            }
+        });
+        choice.response.labelled_by(label);
+    });
+}
+
+/// Lights without a surface.
+pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, at: Vec3) {
+    section(ui, "Lights", false, |ui| {
+        let mut removed = None;
+        for (i, lamp) in lights.iter_mut().enumerate() {
+            ui.push_id(i, |ui| {
+                let name = match lamp {
+                    Light::Point { .. } => "Point",
+                    Light::Directional { .. } => "Directional",
+                    Light::Spot { .. } => "Spot",
+                };
+                ui.horizontal(|ui| {
+                    ui.strong(format!("{name} {}", i + 1));
+                    if ui.small_button("Remove").clicked() {
+                        removed = Some(i);
+                    }
+                });
+                match lamp {
+                    Light::Point { position, intensity } => {
+                        point(ui, "Position", position);
+                        light(ui, "Intensity, W/sr", intensity);
+                    }
+                    Light::Directional { direction, irradiance } => {
+                        let before = *direction;
+                        point(ui, "Direction", direction);
+                        if direction.length_squared() < 1e-12 {
+                            *direction = before;
+                        }
+                        light(ui, "Irradiance, W/m²", irradiance);
+                    }
+                    Light::Spot { position, direction, light: amount, inner, outer } => {
+                        point(ui, "Position", position);
+                        let before = *direction;
+                        point(ui, "Direction", direction);
+                        if direction.length_squared() < 1e-12 {
+                            *direction = before;
+                        }
+                        match amount {
+                            SpotLight::Intensity(rgb) => light(ui, "Intensity, W/sr", rgb),
+                            SpotLight::Power(rgb) => light(ui, "Power, W", rgb),
+                        }
+                        angle(ui, "Outer half angle", outer, 0.5..=180.0);
+                        let widest = outer.to_degrees();
+                        angle(ui, "Inner half angle", inner, 0.0..=widest);
+                        *inner = inner.min(*outer);
+                    }
+                }
+            });
+            ui.separator();
+        }
+        if let Some(i) = removed {
+            lights.remove(i);
+        }
+        ui.horizontal(|ui| {
+            if ui.button("Add a point light").clicked() {
+                lights.push(Light::Point { position: at, intensity: Rgb::grey(10.0) });
+            }
+            if ui.button("Add a sun").clicked() {
+                let direction = Vec3::new(-0.4, -1.0, -0.6);
+                lights.push(Light::Directional { direction, irradiance: Rgb::grey(3.0) });
+            }
+        });
+    });
+}
+
+/// Radians, changed in whole degrees' own numbers, so that a file can hold them.
+fn angle(ui: &mut Ui, label: &str, radians: &mut f32, range: std::ops::RangeInclusive<f32>) {
+    let mut shown = radians.to_degrees();
+    let before = shown;
+    degrees(ui, label, &mut shown, range);
+    if shown != before {
+        *radians = shown.to_radians();
+    }
+}
+
+/// The sky.
+pub(super) fn environment(ui: &mut Ui, environment: &mut Option<Environment>, names: &[String]) {
+    section(ui, "Environment", false, |ui| {
+        let Some(sky) = environment else {
+            ui.weak("There is no sky. Drop an image of one onto the window, or");
+            if ui.button("Add an even sky").clicked() {
+                *environment = Some(Environment::constant(Rgb::grey(0.5)));
+            }
+            return;
+        };
+        match &mut sky.light {
+            EnvironmentLight::Constant(rgb) => light(ui, "Radiance", rgb),
+            EnvironmentLight::Image { image, .. } => {
+                row(ui, "Image", |ui, _| {
+                    ui.label(names.get(image.0 as usize).map_or("", |name| name));
+                });
+                angle(ui, "Rotation", &mut sky.rotation, -360.0..=360.0);
+            }
+        }
+        number(ui, "Scale", &mut sky.scale, 0.0..=1000.0, true);
+        if ui.button("Remove the sky").clicked() {
+            *environment = None;
+        }
+    });
+}
+
+/// How the picture is rendered.
+pub(super) fn render(ui: &mut Ui, look: &mut Look) {
+    section(ui, "Render", false, |ui| {
+        let settings = &mut look.settings;
+        row(ui, "Size", |ui, name| {
+            for side in &mut settings.size {
+                let value = DragValue::new(side).range(1..=16_384).update_while_editing(false);
+                ui.add(value).labelled_by(name);
+            }
+        });
+        row(ui, "Samples per pixel", |ui, name| {
+            let value = DragValue::new(&mut settings.spp).range(1..=1_000_000_u64);
+            ui.add(value.update_while_editing(false)).labelled_by(name);
+        });
+        row(ui, "Longest path", |ui, name| {
+            let mut bounded = settings.max_depth.is_some();
+            if ui.checkbox(&mut bounded, "").labelled_by(name).changed() {
+                let off = settings.roulette == rutilant::settings::Roulette::Off;
+                settings.max_depth = (bounded || off).then_some(8);
+            }
+            match &mut settings.max_depth {
+                Some(depth) => drop(
+                    ui.add(DragValue::new(depth).range(1..=1000).speed(0.05)).labelled_by(name),
+                ),
+                None => drop(ui.weak("unbounded")),
+            }
+        });
+        choose(ui, "Integrator", &mut settings.integrator, &INTEGRATORS);
+        let samplers = [(SamplerKind::Sobol, "sobol"), (SamplerKind::Independent, "independent")];
+        choose(ui, "Sampler", &mut settings.sampler, &samplers);
+        row(ui, "Seed", |ui, name| {
+            drop(ui.add(DragValue::new(&mut settings.seed)).labelled_by(name))
+        });
+        ui.checkbox(&mut settings.caustics, "Caustics by paths from lights");
+    });
+}
+
+/// Exposure and curve.
+pub(super) fn display(ui: &mut Ui, look: &mut Look) {
+    row(ui, "Exposure", |ui, name| {
+        let slider = Slider::new(&mut look.display.exposure, -8.0..=8.0);
+        ui.add(slider.max_decimals(2)).labelled_by(name);
+    });
+    choose(ui, "Curve", &mut look.display.curve, &CURVES);
+}

@@ -1,0 +1,457 @@
+//! The window without a screen: driven by its accessibility tree, keys and files.
+
+use super::*;
+use crate::source::BuiltIn;
+use eframe::egui::Modifiers;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use rutilant::{Prepared, Session};
+use rutilant_formats::{Limits, ReadOptions, read_scene};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::Duration;
+
+const SCENE: &str = r#"version = 1   # a comment that stays
+
+[render]
+size = [48, 36]
+spp = 6
+
+[camera]
+position = [0, 1, 4]
+look_at = [0, 0.5, 0]
+
+[environment]
+color = [0.6, 0.7, 0.9]
+
+[[material]]
+name = "floor"
+type = "matte"
+albedo = 0.6    # grey
+
+[[material]]
+name = "ball"
+type = "dielectric"
+
+[[shape]]
+type = "rectangle"
+size = [6, 6]
+rotate_degrees = [-90, 0, 0]
+material = "floor"
+
+[[shape]]
+type = "sphere"
+radius = 0.5
+center = [0, 0.5, 0]
+material = "ball"
+"#;
+
+/// A window on a scene in a folder of its own.
+struct Desk {
+    folder: tempfile::TempDir,
+    harness: Harness<'static, Option<Window>>,
+    happened: Rc<RefCell<Vec<Happened>>>,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("scene.toml");
+        std::fs::write(&file, SCENE).unwrap();
+        let happened = Rc::new(RefCell::new(Vec::new()));
+        let theirs = Rc::clone(&happened);
+        let frame = move |ui: &mut Ui, window: &mut Option<Window>| {
+            let window = window.get_or_insert_with(|| {
+                let reading = Reading {
+                    built_in: BuiltIn { file: "built-in.toml", text: SCENE, images: &[] },
+                    limits: Limits::default(),
+                    allow_outside: false,
+                    camera: None,
+                    size: None,
+                    adjust: Arc::new(|_| {}),
+                };
+                let report = Rc::clone(&theirs);
+                let report = Box::new(move |what| report.borrow_mut().push(what));
+                Window::new(ui.ctx(), reading, 2, Some(file.clone()), None, report)
+            });
+            window.ui(ui);
+        };
+        let harness = Harness::builder().with_size([900.0, 700.0]).build_ui_state(frame, None);
+        let mut desk = Self { folder, harness, happened };
+        desk.until("a picture", |w| w.is_settled());
+        desk
+    }
+
+    fn file(&self) -> PathBuf {
+        self.folder.path().join("scene.toml")
+    }
+
+    fn window(&self) -> &Window {
+        self.harness.state().as_ref().unwrap()
+    }
+
+    fn window_mut(&mut self) -> &mut Window {
+        self.harness.state_mut().as_mut().unwrap()
+    }
+
+    fn look(&self) -> Arc<Look> {
+        Arc::clone(self.window().history.as_ref().unwrap().present())
+    }
+
+    /// Draws frames until something holds.
+    fn until(&mut self, what: &str, holds: impl Fn(&Window) -> bool) {
+        for _ in 0..3000 {
+            self.harness.step();
+            if holds(self.window()) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(4));
+        }
+        panic!(
+            "{what} did not come: {:?} {:?}",
+            self.window().live.status(),
+            self.window().trouble
+        );
+    }
+
+    fn settle(&mut self) {
+        self.harness.step();
+        self.until("the finished picture", Window::is_settled);
+    }
+
+    fn press(&mut self, key: Key) {
+        self.harness.key_press(key);
+        self.harness.step();
+        self.harness.step();
+    }
+
+    fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.harness.step();
+        self.harness.step();
+    }
+
+    /// The hash of what the window shows.
+    fn hash(&self) -> u64 {
+        self.window().shown.as_ref().unwrap().picture.image.hash()
+    }
+
+    /// The hash of a fresh rendering of the present look.
+    fn headless(&self) -> u64 {
+        let loaded = read_scene(&self.file(), &ReadOptions::default()).unwrap();
+        headless(loaded.scene, &self.look())
+    }
+}
+
+impl Window {
+    /// Whether the newest look is shown with all its samples.
+    fn is_settled(&self) -> bool {
+        let (Some(history), Some(shown)) = (&self.history, &self.shown) else { return false };
+        let (look, image) = (history.present(), &shown.picture.image);
+        let counts = image.channel("samples.Y").unwrap_or(&[]);
+        self.opening.is_none()
+            && Arc::ptr_eq(look, &shown.look)
+            && shown.picture.size == look.settings.size
+            && counts.iter().all(|&n| n as u64 >= look.settings.spp)
+    }
+}
+
+fn headless(mut scene: rutilant::scene::Scene, look: &Look) -> u64 {
+    scene.camera = look.camera.camera(look.settings.size).unwrap();
+    scene.environment = look.environment;
+    scene.materials.clone_from(&look.materials);
+    scene.lights.clone_from(&look.lights);
+    let prepared = Arc::new(Prepared::new(&scene).unwrap());
+    let session = Session::start(prepared, look.settings.clone(), 1).unwrap();
+    while !session.wait(Duration::from_secs(1)) {}
+    session.snapshot().hash()
+}
+
+/// What the window shows once it is done is what the command line renders.
+#[test]
+fn the_picture_is_the_command_lines() {
+    let desk = Desk::new();
+    assert_eq!(desk.hash(), desk.headless());
+    desk.harness.get_by_label("Materials");
+    desk.harness.get_by_label("Camera and lens");
+}
+
+/// Keys move; what P prints, read by the command line, gives the window's bits.
+#[test]
+fn the_printed_pose_gives_the_same_bits() {
+    let mut desk = Desk::new();
+    let before = desk.look();
+    desk.harness.key_down(Key::W);
+    desk.harness.key_down(Key::ArrowLeft);
+    (0..20).for_each(|_| desk.harness.step());
+    desk.harness.key_up(Key::W);
+    desk.harness.key_up(Key::ArrowLeft);
+    desk.settle();
+    assert_ne!(desk.look().camera, before.camera);
+    desk.press(Key::P);
+    desk.settle();
+    let toml = desk.happened.borrow().iter().find_map(|happened| match happened {
+        Happened::Pose { toml } => Some(toml.clone()),
+        _ => None,
+    });
+    let (head, tail) = SCENE.split_once("[camera]").unwrap();
+    let (_, tail) = tail.split_once("[environment]").unwrap();
+    let text = format!("{head}{}\n[environment]{tail}", toml.unwrap());
+    let file = desk.folder.path().join("pose.toml");
+    std::fs::write(&file, text).unwrap();
+    let loaded = read_scene(&file, &ReadOptions::default()).unwrap();
+    let (scene, look) = (loaded.scene.clone(), loaded.look());
+    assert_eq!(headless(scene, &look), desk.hash());
+}
+
+/// H shows direct light alone, and all light again; holding it down changes nothing more.
+#[test]
+fn h_toggles_depth_once_a_press() {
+    let mut desk = Desk::new();
+    desk.harness.key_down(Key::H);
+    (0..10).for_each(|_| desk.harness.step());
+    desk.harness.key_up(Key::H);
+    desk.harness.step();
+    assert_eq!(desk.look().settings.max_depth, Some(2));
+    desk.settle();
+    assert_eq!(desk.hash(), desk.headless());
+    desk.press(Key::H);
+    assert_eq!(desk.look().settings.max_depth, None);
+}
+
+/// A change of a material is rendered, undone, done again and saved, comments kept.
+#[test]
+fn edits_are_undone_and_saved() {
+    let mut desk = Desk::new();
+    let before = desk.hash();
+    let red = rutilant::color::Rgb([0.8, 0.1, 0.1]);
+    desk.window_mut().edit(|look| {
+        look.materials[0].kind =
+            rutilant::material::MaterialKind::Matte(rutilant::material::Matte::new(red))
+    });
+    desk.settle();
+    let edited = desk.hash();
+    assert_ne!(edited, before);
+    desk.click("Edit");
+    desk.harness.get_by_label_contains("Undo").click();
+    desk.settle();
+    assert_eq!(desk.hash(), before);
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    desk.settle();
+    assert_eq!(desk.hash(), edited);
+
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("a saved file", |w| !w.is_changed());
+    let text = std::fs::read_to_string(desk.file()).unwrap();
+    assert!(text.contains("# a comment that stays") && text.contains("# grey"), "{text}");
+    let loaded = read_scene(&desk.file(), &ReadOptions::default()).unwrap();
+    assert_eq!(headless(loaded.scene.clone(), &loaded.look()), edited);
+}
+
+/// A broken file is told with its place while the last good scene is shown; once mended, it is
+/// shown, and the camera is where it was.
+#[test]
+fn broken_files_keep_the_last_good_scene() {
+    let mut desk = Desk::new();
+    desk.press(Key::E);
+    desk.settle();
+    let (camera, before) = (desk.look().camera.clone(), desk.hash());
+    std::fs::write(desk.file(), SCENE.replace("albedo = 0.6", "albedo = 1.6")).unwrap();
+    desk.until("the error", |w| w.trouble.is_some());
+    let trouble = desk.window().trouble.clone().unwrap();
+    assert!(trouble.contains("scene.toml:17:10: albedo is 1.6"), "{trouble}");
+    desk.harness.step();
+    desk.harness.get_by_label(&trouble);
+    desk.harness.get_by_label("The last good scene is still shown.");
+    assert_eq!(desk.hash(), before);
+
+    std::fs::write(desk.file(), SCENE.replace("albedo = 0.6", "albedo = 0.1")).unwrap();
+    desk.until("the mended scene", |w| w.trouble.is_none());
+    desk.settle();
+    assert_eq!(desk.look().camera, camera);
+    assert_ne!(desk.hash(), before);
+    assert_eq!(desk.hash(), desk.headless());
+}
+
+/// The first scene cannot be read: the window says so, and opens another.
+#[test]
+fn nothing_to_show_is_told() {
+    let mut desk = Desk::new();
+    let bad = desk.folder.path().join("none.toml");
+    desk.window_mut().open(Some(bad), false);
+    desk.until("the error", |w| w.trouble.is_some());
+    desk.press(Key::Escape);
+    assert!(desk.window().trouble.is_none());
+    desk.window_mut().open(None, false);
+    desk.until("the built-in scene", |w| w.document.as_ref().is_some_and(|d| d.file.is_none()));
+    desk.settle();
+}
+
+/// A picture rendered for a file has the command line's hash, and so does what is saved of the
+/// window's own.
+#[test]
+fn files_have_the_command_lines_hash() {
+    let mut desk = Desk::new();
+    let file = desk.folder.path().join("out.exr");
+    let name = file.display().to_string();
+    desk.window_mut().answered(Dialog::Render { file: name, spp: 9, size: [31, 17] });
+    desk.until("the file", |w| w.message.as_ref().is_some_and(|m| m.contains("hash")));
+    let loaded = read_scene(&desk.file(), &ReadOptions::default()).unwrap();
+    let mut look = loaded.look();
+    (look.settings.spp, look.settings.size) = (9, [31, 17]);
+    let hash = headless(loaded.scene.clone(), &look);
+    let message = desk.window().message.clone().unwrap();
+    assert!(message.ends_with(&format!("hash {hash:016x}")), "{message}");
+    let written = rutilant_formats::image::read(&file, &Limits::default()).unwrap();
+    assert_eq!((written.width(), written.height()), (31, 17));
+}
+
+/// Escape closes what is open first; with changes it asks before it closes the window.
+#[test]
+fn escape_closes_one_thing_at_a_time() {
+    let mut desk = Desk::new();
+    desk.press(Key::F1);
+    desk.harness.get_by_label("Jump forward");
+    desk.press(Key::Escape);
+    assert!(!desk.window().help && !desk.window().closing);
+    desk.window_mut().edit(|look| look.environment = None);
+    desk.press(Key::Escape);
+    assert!(desk.window().dialog.is_some() && !desk.window().closing);
+    desk.click("Discard them");
+    assert!(desk.window().closing);
+}
+
+/// Keys can be changed, and mean the new thing at once.
+#[test]
+fn keys_can_be_changed() {
+    let mut desk = Desk::new();
+    desk.press(Key::F1);
+    desk.window_mut().remapping = Some(Action::JumpForward);
+    desk.press(Key::N);
+    desk.press(Key::F1);
+    let before = desk.look();
+    desk.press(Key::E);
+    assert_eq!(desk.look().camera, before.camera);
+    desk.press(Key::N);
+    assert_ne!(desk.look().camera, before.camera);
+}
+
+/// Random edits, moves, resizes, good and broken files, in any order: nothing panics, and what is
+/// shown in the end is what a fresh rendering gives. `RUTILANT_ROUNDS` sets how many.
+#[test]
+fn anything_may_happen_in_any_order() {
+    let rounds = std::env::var("RUTILANT_ROUNDS").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
+    let mut desk = Desk::new();
+    let mut state = 7_u64;
+    let mut random = |n: u64| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % n
+    };
+    let resident = || {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let line = status.lines().find(|line| line.starts_with("VmRSS:"));
+        line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).unwrap_or(0)
+    };
+    let keys = [
+        Key::W,
+        Key::A,
+        Key::S,
+        Key::D,
+        Key::R,
+        Key::F,
+        Key::Q,
+        Key::E,
+        Key::H,
+        Key::P,
+        Key::Space,
+        Key::Tab,
+        Key::Home,
+        Key::O,
+        Key::B,
+        Key::F1,
+        Key::ArrowUp,
+        Key::ArrowDown,
+        Key::ArrowLeft,
+    ];
+    let mut early = 0;
+    for round in 0..rounds {
+        let x = random(1000) as f32 / 1000.0;
+        match random(14) {
+            0 => desk.harness.key_press(keys[random(keys.len() as u64) as usize]),
+            1 => desk.harness.key_down(keys[random(6) as usize]),
+            2 => keys[..6].iter().for_each(|key| desk.harness.key_up(*key)),
+            3 => desk.window_mut().edit(|look| {
+                let albedo = rutilant::color::Rgb([x, 0.5, 1.0 - x]);
+                look.materials[0].kind =
+                    rutilant::material::MaterialKind::Matte(rutilant::material::Matte::new(albedo));
+            }),
+            4 => desk.window_mut().edit(|look| {
+                look.materials[1].emission = (x < 0.5)
+                    .then(|| rutilant::material::Emission::radiance(rutilant::color::Rgb::grey(x)));
+            }),
+            5 => desk.window_mut().edit(|look| {
+                look.environment =
+                    (x > 0.2).then(|| Environment::constant(rutilant::color::Rgb::grey(x)));
+            }),
+            6 => {
+                let size = [1 + random(60) as u32, 1 + random(40) as u32];
+                desk.window_mut().edit(|look| look.settings.size = size);
+            }
+            7 => {
+                let size = vec2(100.0 + 900.0 * x, 80.0 + random(700) as f32);
+                desk.harness.set_size(size);
+            }
+            8 if round % 4 == 0 => {
+                let text = match random(4) {
+                    0 => SCENE.replace("albedo", "albdo"),
+                    1 => SCENE[..random(SCENE.len() as u64) as usize].to_owned(),
+                    2 => SCENE.replace("albedo = 0.6", &format!("albedo = {x}")),
+                    _ => SCENE.to_owned(),
+                };
+                std::fs::write(desk.file(), text).unwrap();
+            }
+            9 => desk.window_mut().undo(),
+            10 => desk.window_mut().redo(),
+            11 => {
+                let at = egui::pos2(600.0 * x, random(600) as f32);
+                desk.harness.hover_at(at);
+                if x < 0.5 {
+                    desk.harness.drag_at(at);
+                } else {
+                    desk.harness.drop_at(at);
+                }
+            }
+            12 => {
+                let channel = Channel::ALL[random(6) as usize].0;
+                desk.window_mut().view.channel = channel;
+            }
+            _ => {
+                desk.window_mut().paused = x < 0.3;
+                desk.window_mut().endless = x > 0.9;
+            }
+        }
+        desk.harness.step();
+        if round == rounds / 2 {
+            early = resident();
+        }
+    }
+    let late = resident();
+    assert!(late < early + 64_000, "{early} kB grew to {late} kB");
+
+    // Back to rest, with the file as it is on disk.
+    keys[..6].iter().for_each(|key| desk.harness.key_up(*key));
+    desk.harness.drop_at(egui::pos2(1.0, 1.0));
+    std::fs::write(desk.file(), SCENE).unwrap();
+    desk.harness.set_size(vec2(900.0, 700.0));
+    let window = desk.window_mut();
+    (window.view, window.paused, window.endless) = (View::default(), false, false);
+    (window.dialog, window.help) = (None, false);
+    for _ in 0..60 {
+        std::thread::sleep(Duration::from_millis(10));
+        desk.harness.step();
+    }
+    desk.settle();
+    let (look, loaded) = (desk.look(), read_scene(&desk.file(), &ReadOptions::default()).unwrap());
+    assert_eq!(desk.hash(), headless(loaded.scene, &look));
+}
