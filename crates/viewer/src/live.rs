@@ -237,7 +237,7 @@ struct Running {
     since: Option<Instant>,
     /// Time spent before that.
     spent: Duration,
-    /// The samples in the picture that was shown last.
+    /// The paths in the picture that was shown last.
     shown: Option<u64>,
 }
 
@@ -315,7 +315,7 @@ impl Worker {
         let done = |r: &Running| {
             let progress = r.session.progress();
             r.since.is_none()
-                || (r.is_full() && progress.finished && r.shown == Some(progress.samples))
+                || (r.is_full() && progress.finished && r.shown == Some(progress.paths))
         };
         self.job.is_none() && self.running.as_ref().is_none_or(done)
     }
@@ -519,12 +519,11 @@ impl Worker {
         let Some(running) = &self.running else { return };
         let progress = running.session.progress();
         let (full, spent) = (running.is_full(), running.spent());
-        let news = running.shown != Some(progress.samples);
+        let news = running.shown != Some(progress.paths);
         if full {
-            let partial = progress.samples == 0 && self.coarse.is_some() && running.since.is_some();
-            let ready = progress.samples > 0 || progress.paths > 0;
-            let due = Instant::now() >= self.due || progress.finished;
-            if due && ready && (news || partial) {
+            // In the middle of a pass some pixels have a sample more than others: each shows the mean
+            // of its own.
+            if news && (Instant::now() >= self.due || progress.finished) {
                 self.show();
             }
         } else if progress.finished {
@@ -551,7 +550,7 @@ impl Worker {
     fn show(&mut self) {
         let (Some(running), Some(wish)) = (&mut self.running, &self.wish) else { return };
         let begin = Instant::now();
-        let samples = running.session.progress().samples;
+        let Progress { samples, paths, .. } = running.session.progress();
         let mut image = running.session.snapshot();
         if samples == 0
             && let Some(coarse) = &self.coarse
@@ -562,16 +561,16 @@ impl Worker {
         if !running.is_full() {
             self.coarse = Some(Arc::clone(&image));
         }
-        running.shown = Some(samples);
+        running.shown = Some(paths);
         let picture = Arc::new(develop(image, &wish.view));
         let look = Arc::clone(&running.look);
         let beside = self.develop_beside();
         self.number += 1;
         let shown = Shown { number: self.number, look, picture, beside };
         *locked(&self.shared.shown) = Some(shown);
-        // At most thirty pictures a second, and no more than an eighth of the time for them.
+        // At most thirty pictures a second, and no more than a sixteenth of the time for them.
         let took = begin.elapsed();
-        self.due = Instant::now() + (7 * took).max(Duration::from_millis(33));
+        self.due = Instant::now() + (15 * took).max(Duration::from_millis(33));
         (self.shared.wake)();
     }
 

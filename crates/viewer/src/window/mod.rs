@@ -128,6 +128,8 @@ pub(crate) struct Window {
     remapping: Option<Action>,
 
     opening: Option<Opening>,
+    /// What was opened last, or should have been, and whether it was on the screen already.
+    tried: (Option<PathBuf>, bool),
     document: Option<Document>,
     history: Option<History<Look>>,
     /// The look that the file has.
@@ -196,6 +198,7 @@ impl Window {
             remapping: None,
             reading,
             opening: None,
+            tried: (None, false),
             document: None,
             history: None,
             saved: None,
@@ -451,6 +454,7 @@ impl Window {
     }
 
     fn open(&mut self, file: Option<PathBuf>, again: bool) {
+        self.tried = (file.clone(), again);
         let wake = self.context.clone();
         self.opening =
             Some(Opening::begin(file, again, &self.reading, move || wake.request_repaint()));
@@ -1186,8 +1190,8 @@ impl Window {
                     }
                     ui.horizontal(|ui| {
                         if ui.button("Read again").clicked() {
-                            let file = self.document.as_ref().and_then(|d| d.file.clone());
-                            self.open(file, self.document.is_some());
+                            let (file, again) = self.tried.clone();
+                            self.open(file, again);
                             self.trouble = None;
                         }
                         if ui.button("Dismiss").clicked() {

@@ -22,7 +22,7 @@ pub(super) fn apply(context: &Context) {
     visuals.window_fill = PANEL;
     visuals.extreme_bg_color = Color32::from_gray(20);
     visuals.faint_bg_color = Color32::from_gray(38);
-    visuals.selection.bg_fill = ACCENT.linear_multiply(0.7);
+    visuals.selection.bg_fill = ACCENT.linear_multiply(0.45);
     visuals.selection.stroke = Stroke::new(1.0, Color32::from_gray(240));
     visuals.hyperlink_color = Color32::from_rgb(230, 150, 110);
     visuals.error_fg_color = ERROR;
