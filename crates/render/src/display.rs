@@ -119,8 +119,7 @@ fn byte_from_linear(linear: f32) -> u8 {
             least: std::array::from_fn(|c| u8::try_from(c).map_or(f32::INFINITY, least)),
         }
     });
-    // Also what is no number is 0.
-    if !(linear >= DARKEST) {
+    if linear.is_nan() || linear < DARKEST {
         return 0;
     }
     let Table { begins, least } = &*TABLE;

@@ -517,14 +517,13 @@ impl Window {
             }
             let Some(action) = self.keys.action(*key) else { continue };
             match (&mut pose, *pressed) {
+                (Some(_), true) if *repeat && !typing && !command => {}
                 (Some(pose), true) if !typing && !command => {
-                    if !repeat {
-                        if !self.flight.is_moving() {
-                            self.gesture += 1;
-                        }
-                        self.flight.press(action, time, pose, speed);
-                        self.act(action, pose, draft.as_deref_mut());
+                    if !self.flight.is_moving() {
+                        self.gesture += 1;
                     }
+                    self.flight.press(action, time, pose, speed);
+                    self.act(action, pose, draft.as_deref_mut());
                 }
                 (Some(pose), false) => drop(self.flight.release(action, time, pose, speed)),
                 (_, true) if action == Action::Close || action == Action::Help => {
@@ -643,9 +642,11 @@ impl Window {
 
     /// The topmost thing that is open, or the window.
     fn close_something(&mut self) {
-        if self.dialog.take().is_some() || std::mem::take(&mut self.help) {
-        } else if std::mem::take(&mut self.picking) || self.trouble.take().is_some() {
-        } else {
+        let closed = self.dialog.take().is_some()
+            || std::mem::take(&mut self.help)
+            || std::mem::take(&mut self.picking)
+            || self.trouble.take().is_some();
+        if !closed {
             self.ask_to_close();
         }
     }
@@ -783,7 +784,7 @@ impl Window {
             let hash = Some(format!("{:016x}", image.hash()));
             let (width, height) = (image.width(), image.height());
             let options = WriteOptions::default();
-            let for_display = Format::from_path(&file).is_ok_and(|format| format.is_for_display());
+            let for_display = Format::from_path(&file).is_ok_and(Format::is_for_display);
             let written = if for_display {
                 let light = image.rgb().unwrap_or_default();
                 let rgb8: Vec<u8> = light.iter().flat_map(|rgb| display.encode(*rgb)).collect();
@@ -809,7 +810,7 @@ impl Window {
 
     // What they see.
 
-    fn menu(&mut self, ui: &mut Ui, mut draft: Option<&mut Look>) {
+    fn menu(&mut self, ui: &mut Ui, draft: Option<&mut Look>) {
         Panel::top("menu").show(ui, |ui| {
             MenuBar::new().ui(ui, |ui| {
                 ui.menu_button("File", |ui| self.file_menu(ui, draft.as_deref()));
@@ -831,7 +832,7 @@ impl Window {
                         self.redo();
                     }
                 });
-                ui.menu_button("Camera", |ui| self.camera_menu(ui, draft.as_deref_mut()));
+                ui.menu_button("Camera", |ui| self.camera_menu(ui, draft));
                 ui.menu_button("View", |ui| self.view_menu(ui));
                 if ui.button("Keys").clicked() {
                     self.help = !self.help;

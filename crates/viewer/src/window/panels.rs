@@ -423,7 +423,7 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
         let samplers = [(SamplerKind::Sobol, "sobol"), (SamplerKind::Independent, "independent")];
         choose(ui, "Sampler", &mut settings.sampler, &samplers);
         row(ui, "Seed", |ui, name| {
-            drop(ui.add(DragValue::new(&mut settings.seed)).labelled_by(name))
+            ui.add(DragValue::new(&mut settings.seed)).labelled_by(name);
         });
         ui.checkbox(&mut settings.caustics, "Caustics by paths from lights");
     });

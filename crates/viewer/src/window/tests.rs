@@ -78,7 +78,7 @@ impl Desk {
         };
         let harness = Harness::builder().with_size([900.0, 700.0]).build_ui_state(frame, None);
         let mut desk = Self { folder, harness, happened };
-        desk.until("a picture", |w| w.is_settled());
+        desk.until("a picture", Window::is_settled);
         desk
     }
 
@@ -227,7 +227,7 @@ fn edits_are_undone_and_saved() {
     let red = rutilant::color::Rgb([0.8, 0.1, 0.1]);
     desk.window_mut().edit(|look| {
         look.materials[0].kind =
-            rutilant::material::MaterialKind::Matte(rutilant::material::Matte::new(red))
+            rutilant::material::MaterialKind::Matte(rutilant::material::Matte::new(red));
     });
     desk.settle();
     let edited = desk.hash();
