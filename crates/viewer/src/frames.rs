@@ -45,7 +45,7 @@ impl FrameTimes {
             sum >= enough
         });
         match bin {
-            Some(bin) if bin < BINS => BIN * (bin as u32 + 1),
+            Some(bin) if bin < BINS => (BIN * (bin as u32 + 1)).min(self.longest),
             Some(_) | None => self.longest,
         }
     }
