@@ -217,10 +217,10 @@ fn a_mistyped_command_is_recognised() {
         let error = "error: no command \"rendr\"; did you mean \"render\"?\n";
         assert_eq!((ran.status, ran.error.as_str()), (2, error), "{arguments}");
     }
-    for arguments in ["view", "view room.toml"] {
+    for arguments in ["paint", "paint room.toml"] {
         let ran = desk.run(arguments);
         assert_eq!(ran.status, 2, "{arguments}: {ran:?}");
-        assert!(ran.error.starts_with("error: no command \"view\"; "), "{}", ran.error);
+        assert!(ran.error.starts_with("error: no command \"paint\"; "), "{}", ran.error);
         for name in ["render", "check", "info", "compare", "bench", ".toml"] {
             assert!(ran.error.contains(name), "{name}: {}", ran.error);
         }
