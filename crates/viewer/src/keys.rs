@@ -70,7 +70,7 @@ const ACTIONS: [(Action, &str, &str, Key); 21] = [
     (Action::ToggleDepth, "toggle_depth", "Direct light only, or all light", Key::H),
     (Action::PrintPose, "print_pose", "Print and copy the camera as TOML", Key::P),
     (Action::Pause, "pause", "Pause or continue", Key::Space),
-    (Action::Panels, "panels", "Hide or show the panels", Key::Tab),
+    (Action::Panels, "panels", "Hide or show the panels", Key::N),
     (Action::FitAll, "fit_all", "See the whole scene", Key::Home),
     (Action::Overlay, "overlay", "Mark what cannot be shown", Key::O),
     (Action::StoreSnapshot, "store_snapshot", "Keep this picture to compare with", Key::B),

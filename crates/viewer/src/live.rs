@@ -49,6 +49,19 @@ pub(crate) struct Wish {
     pub(crate) beside: Option<Arc<Image>>,
 }
 
+impl Wish {
+    /// Whether it asks for exactly what another asks for.
+    pub(crate) fn is_same_as(&self, other: &Self) -> bool {
+        let same_beside = match (&self.beside, &other.beside) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        let how = |wish: &Self| (wish.view, wish.paused, wish.endless);
+        Arc::ptr_eq(&self.look, &other.look) && how(self) == how(other) && same_beside
+    }
+}
+
 /// A picture that is to be rendered as the command line would, in place of what the window shows.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {

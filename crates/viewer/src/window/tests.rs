@@ -1,14 +1,22 @@
 //! The window without a screen: driven by its accessibility tree, keys and files.
 
-use super::*;
-use crate::source::BuiltIn;
-use eframe::egui::Modifiers;
+use super::report::Happened;
+use super::state::{Dialog, Window};
+use crate::keys::Action;
+use crate::picture::{Channel, View};
+use crate::source::{BuiltIn, Reading};
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers, Ui, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use rutilant::light::Environment;
 use rutilant::{Prepared, Session};
+use rutilant_formats::Look;
 use rutilant_formats::{Limits, ReadOptions, read_scene};
 use std::cell::RefCell;
+use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 const SCENE: &str = r#"version = 1   # a comment that stays
@@ -321,6 +329,53 @@ fn escape_closes_one_thing_at_a_time() {
     assert!(desk.window().closing);
 }
 
+/// While something is typed, keys are letters; Escape gives the keyboard back and closes nothing.
+#[test]
+fn what_is_typed_is_no_command() {
+    let mut desk = Desk::new();
+    desk.window_mut().edit(|look| look.environment = None);
+    let before = desk.look();
+    desk.harness.get_by_role_and_label(Role::SpinButton, "Blades").focus();
+    desk.harness.step();
+    desk.press(Key::E);
+    assert_eq!(desk.look().camera, before.camera);
+    desk.press(Key::Escape);
+    assert!(desk.window().dialog.is_none() && !desk.window().closing);
+    desk.press(Key::E);
+    assert_ne!(desk.look().camera, before.camera);
+}
+
+/// A dialog offers what is in the folder, opens what is chosen, and tells what would be replaced.
+#[test]
+fn dialogs_offer_files() {
+    let mut desk = Desk::new();
+    std::fs::write(desk.folder.path().join("other.toml"), SCENE).unwrap();
+    std::fs::write(desk.folder.path().join("notes.txt"), "").unwrap();
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    desk.until("the dialog", |w| w.dialog.is_some());
+    let listed = |desk: &Desk, name: &str| desk.harness.query_by_label(name).is_some();
+    while !listed(&desk, "other.toml") {
+        desk.harness.step();
+        std::thread::sleep(Duration::from_millis(4));
+    }
+    assert!(listed(&desk, "scene.toml") && !listed(&desk, "notes.txt"));
+    desk.click("other.toml");
+    desk.click("Open");
+    desk.until("the other scene", |w| {
+        w.document.as_ref().and_then(|d| d.file.as_ref()).is_some_and(|f| f.ends_with("other.toml"))
+    });
+    desk.settle();
+
+    desk.window_mut().dialog = Some(Dialog::SaveImage(desk.file().display().to_string()));
+    let warning = "It is there already, and will be replaced.";
+    while !listed(&desk, warning) {
+        desk.harness.step();
+        std::thread::sleep(Duration::from_millis(4));
+    }
+    desk.press(Key::Escape);
+    assert!(desk.window().dialog.is_none() && !desk.window().closing);
+}
+
 /// Keys can be changed, and mean the new thing at once.
 #[test]
 fn keys_can_be_changed() {
@@ -365,7 +420,7 @@ fn anything_may_happen_in_any_order() {
         Key::H,
         Key::P,
         Key::Space,
-        Key::Tab,
+        Key::N,
         Key::Home,
         Key::O,
         Key::B,
@@ -414,7 +469,7 @@ fn anything_may_happen_in_any_order() {
             9 => desk.window_mut().undo(),
             10 => desk.window_mut().redo(),
             11 => {
-                let at = egui::pos2(600.0 * x, random(600) as f32);
+                let at = pos2(600.0 * x, random(600) as f32);
                 desk.harness.hover_at(at);
                 if x < 0.5 {
                     desk.harness.drag_at(at);
@@ -441,7 +496,7 @@ fn anything_may_happen_in_any_order() {
 
     // Back to rest, with the file as it is on disk.
     keys[..6].iter().for_each(|key| desk.harness.key_up(*key));
-    desk.harness.drop_at(egui::pos2(1.0, 1.0));
+    desk.harness.drop_at(pos2(1.0, 1.0));
     std::fs::write(desk.file(), SCENE).unwrap();
     desk.harness.set_size(vec2(900.0, 700.0));
     let window = desk.window_mut();

@@ -1,0 +1,197 @@
+//! What other threads have finished: scenes, pictures, files.
+
+use super::report::Happened;
+use super::state::{After, Dialog, Window, Work};
+use crate::history::History;
+use crate::live::{JobState, Stage, Wish};
+use crate::merge::merged;
+use crate::picture::View;
+use crate::source::{Document, Opening};
+use crate::watch::Watch;
+use eframe::egui::{self, TextureOptions, ViewportCommand};
+use rutilant::light::{Environment, EnvironmentLight};
+use rutilant::scene::ImageId;
+use rutilant_formats::Look;
+use rutilant_formats::camera::FocusOn;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+impl Window {
+    pub(super) fn open(&mut self, file: Option<PathBuf>, again: bool) {
+        self.tried = (file.clone(), again);
+        let wake = self.context.clone();
+        self.opening =
+            Some(Opening::begin(file, again, &self.reading, move || wake.request_repaint()));
+    }
+
+    /// Opens another scene, once changes to this one are saved or given up.
+    pub(super) fn open_if_saved(&mut self, file: Option<PathBuf>) {
+        if self.is_changed() {
+            self.dialog = Some(Dialog::Discard(After::Open(file)));
+        } else {
+            self.open(file, false);
+        }
+    }
+
+    /// Takes what other threads have finished.
+    pub(super) fn receive(&mut self) {
+        if let Some(opened) = self.opening.as_ref().and_then(Opening::take)
+            && let Some(opening) = self.opening.take()
+        {
+            match opened {
+                Ok(opened) => self.opened(*opened, opening.again),
+                Err(what) => self.trouble(what),
+            }
+        }
+        if self.opening.is_none() && self.watch.as_ref().is_some_and(Watch::has_changed) {
+            let file = self.document.as_ref().and_then(|d| d.file.clone());
+            self.open(file, true);
+        }
+        while let Ok(work) = self.work.1.try_recv() {
+            match work {
+                Work::Wrote { file, hash, saved } => {
+                    if let Some(look) = saved {
+                        self.saved = Some(look);
+                    }
+                    let hash_shown = hash.as_ref().map(|h| format!(", hash {h}"));
+                    let hash_shown = hash_shown.unwrap_or_default();
+                    self.message = Some(format!("wrote {}{hash_shown}", file.display()));
+                    (self.report)(Happened::Wrote { file, hash });
+                }
+                Work::Sky { file, image } => self.use_sky(&file, image),
+                Work::Beside(beside) => self.beside = Some(beside),
+                Work::Failed(what) => self.trouble(what),
+            }
+        }
+        if let Some(found) = self.live.focus() {
+            match found {
+                Some(focus) => self.edit(|look| {
+                    if let Some(lens) = look.camera.kind.lens_mut() {
+                        lens.focus = FocusOn::Distance(focus.distance);
+                    }
+                }),
+                None => self.message = Some("there is nothing to focus on there".into()),
+            }
+            if let Some(focus) = found {
+                let distance = focus.distance;
+                self.message = Some(format!("focused {distance:.4} m away"));
+            }
+        }
+        self.receive_job();
+        self.receive_picture();
+    }
+
+    pub(super) fn receive_job(&mut self) {
+        match self.live.job() {
+            Some(JobState::Done { image, file, took }) => {
+                self.job = None;
+                self.message = Some(format!("rendered in {:.1} s", took.as_secs_f64()));
+                self.write_image(image, file);
+            }
+            Some(JobState::Failed { what }) => {
+                self.job = None;
+                self.trouble(what);
+            }
+            Some(running) => {
+                self.job = Some(running);
+                self.context.request_repaint_after(Duration::from_millis(100));
+            }
+            None => {}
+        }
+    }
+
+    pub(super) fn receive_picture(&mut self) {
+        let Some(shown) = self.live.shown() else { return };
+        if self.shown.as_ref().is_some_and(|s| s.number == shown.number) {
+            return;
+        }
+        let full =
+            self.history.as_ref().is_some_and(|h| h.present().settings.size == shown.picture.size);
+        let pictures = [Some(&shown.picture), shown.beside.as_ref()];
+        for (texture, picture) in self.textures.iter_mut().zip(pictures) {
+            let Some(picture) = picture else {
+                *texture = None;
+                continue;
+            };
+            let [width, height] = picture.size.map(|side| side as usize);
+            let image = egui::ColorImage::new([width, height], picture.pixels.clone());
+            let options = TextureOptions {
+                magnification: if full {
+                    egui::TextureFilter::Nearest
+                } else {
+                    egui::TextureFilter::Linear
+                },
+                minification: egui::TextureFilter::Linear,
+                ..TextureOptions::LINEAR
+            };
+            match texture {
+                Some(texture) => texture.set(image, options),
+                None => *texture = Some(self.context.load_texture("picture", image, options)),
+            }
+        }
+        (self.report)(Happened::Picture { size: shown.picture.size, full });
+        self.shown = Some(shown);
+    }
+
+    pub(super) fn opened(&mut self, (mut stage, document): (Stage, Document), again: bool) {
+        let theirs = document.look.clone();
+        let before = self.document.as_ref().map(|d| d.look.clone());
+        let sky_is_mine = |look: &Look| {
+            let images = document.image_names.len() as u32;
+            matches!(look.environment, Some(Environment {
+                light: EnvironmentLight::Image { image: ImageId(id), .. }, ..
+            }) if id >= images)
+        };
+        let mut look = match (again, &before, &self.history) {
+            (true, Some(before), Some(history)) => merged(before, history.present(), &theirs),
+            _ => theirs.clone(),
+        };
+        // An image of the window's own is not there any more after the scene was read anew.
+        if sky_is_mine(&look) {
+            look.environment = theirs.environment;
+        }
+        stage.scene.camera = match look.camera.camera(look.settings.size) {
+            Ok(camera) => camera,
+            Err(_) => stage.scene.camera,
+        };
+        self.trouble = None;
+        (self.report)(Happened::Opened { name: document.name(&self.reading) });
+        let history = match self.history.take().filter(|_| again) {
+            Some(mut history) => {
+                history.change(look, None);
+                history
+            }
+            None => History::new(look),
+        };
+        self.saved = Some(Arc::new(theirs));
+        self.image_names.clone_from(&document.image_names);
+        let wake = self.context.clone();
+        let watched = document.file.iter().chain(&document.files).cloned();
+        self.watch = Some(Watch::begin(watched, move |after| {
+            wake.request_repaint_after(after + Duration::from_millis(10));
+        }));
+        if let Some(file) = document.file.as_deref().filter(|_| !again) {
+            self.preferences.opened(file);
+            self.keep_preferences();
+        }
+        if !again {
+            (self.canvas.zoom, self.depth) = (None, None);
+        }
+        let title = format!("{} – Rutilant", document.name(&self.reading));
+        self.context.send_viewport_cmd(ViewportCommand::Title(title));
+        let seconds = document.took.map(|t| t.as_secs_f64());
+        self.message = Some(format!(
+            "{} triangles, read in {:.2} s, prepared in {:.2} s",
+            document.triangles, seconds[0], seconds[1]
+        ));
+        self.document = Some(document);
+        let look = Arc::clone(history.present());
+        self.history = Some(history);
+        let view = View { display: look.display, ..self.view };
+        let beside = self.beside.as_ref().map(|b| Arc::clone(&b.image));
+        self.live
+            .stage(stage, Wish { look, view, paused: self.paused, endless: self.endless, beside });
+        self.wished = None;
+    }
+}

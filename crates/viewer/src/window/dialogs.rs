@@ -1,0 +1,155 @@
+//! Questions to the user: which file, how large, and whether changes may be lost.
+
+use super::listing::Listing;
+use super::state::{After, Beside, Dialog, Window, Work};
+use super::{theme, widgets};
+use crate::keys::{Action, KeyMap};
+use crate::live::Job;
+use eframe::egui::{self, Context, Key, Ui};
+use rutilant::settings::Settings;
+use std::path::Path;
+use std::sync::Arc;
+
+impl Window {
+    pub(super) fn dialogs(&mut self, context: &Context) {
+        if self.help {
+            self.help_window(context);
+        }
+        let Some(mut dialog) = self.dialog.take() else { return };
+        let mut answer = None;
+        let modal = egui::Modal::new(egui::Id::unique("dialog")).show(context, |ui| {
+            ui.set_width(460.0);
+            answer = show_dialog(ui, &mut dialog, &mut self.listing);
+        });
+        match answer {
+            Some(true) => self.answered(dialog),
+            Some(false) => {}
+            None if modal.should_close() => {}
+            None => self.dialog = Some(dialog),
+        }
+    }
+
+    pub(super) fn answered(&mut self, dialog: Dialog) {
+        match dialog {
+            Dialog::Open(file) => self.open_if_saved(Some(file.into())),
+            Dialog::Compare(file) => self.read_image(file.into(), |file, image| {
+                let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                Work::Beside(Beside { name, image: Arc::new(image) })
+            }),
+            Dialog::SaveScene(file) => self.save_scene(file.into()),
+            Dialog::SaveImage(file) => {
+                if let Some(shown) = &self.shown {
+                    self.write_image(Arc::clone(&shown.picture.image), file.into());
+                }
+            }
+            Dialog::Render { file, spp, size } => {
+                if let Some(history) = &self.history {
+                    let settings = Settings { spp, size, ..history.present().settings.clone() };
+                    match rutilant_formats::image::check_writable(Path::new(&file)) {
+                        Ok(()) => self.live.begin_job(Job { settings, file: file.into() }),
+                        Err(error) => self.trouble(error.to_string()),
+                    }
+                }
+            }
+            Dialog::Discard(After::Close) => self.closing = true,
+            Dialog::Discard(After::Open(file)) => self.open(file, false),
+        }
+    }
+
+    pub(super) fn help_window(&mut self, context: &Context) {
+        let mut open = true;
+        egui::Window::new("Keys").open(&mut open).resizable(false).show(context, |ui| {
+            egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+                for action in Action::all() {
+                    ui.label(action.label());
+                    let waiting = self.remapping == Some(action);
+                    let key = if waiting { "press a key…" } else { self.keys.key(action).name() };
+                    if ui.button(key).on_hover_text("Click to choose another key").clicked() {
+                        self.remapping = Some(action);
+                    }
+                    ui.end_row();
+                }
+            });
+            if ui.button("The usual keys").clicked() {
+                self.keys = KeyMap::default();
+                self.preferences.keys.clear();
+                self.keep_preferences();
+            }
+            ui.separator();
+            ui.weak(
+                "Drag to go around, with Shift or the middle button to shift, with the right button \
+                 to look around; the wheel goes nearer. A double click focuses. With Ctrl, drag and \
+                 wheel move the picture instead.",
+            );
+        });
+        self.help &= open;
+    }
+}
+
+/// Asks; true to go on, false to give up.
+pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listing) -> Option<bool> {
+    let (title, go_on) = match dialog {
+        Dialog::Open(_) => ("Open a scene or a mesh", "Open"),
+        Dialog::Compare(_) => ("Compare with an image", "Compare"),
+        Dialog::SaveScene(_) => ("Save the scene", "Save"),
+        Dialog::SaveImage(_) => ("Save what is shown", "Save"),
+        Dialog::Render { .. } => ("Render at full quality", "Render"),
+        Dialog::Discard(_) => ("The scene has changes that are not saved", "Discard them"),
+    };
+    /// What can be opened.
+    const SCENES: &[&str] = &["toml", "obj", "ply"];
+    /// What can be compared with.
+    const IMAGES: &[&str] = &["exr", "hdr", "pfm", "png", "jpg", "jpeg"];
+    ui.heading(title);
+    let mut entered = false;
+    let (extensions, writes) = match dialog {
+        Dialog::Open(_) => (SCENES, false),
+        Dialog::Compare(_) => (IMAGES, false),
+        Dialog::SaveScene(_) => (&["toml"][..], true),
+        Dialog::SaveImage(_) | Dialog::Render { .. } => (IMAGES, true),
+        Dialog::Discard(_) => (&[][..], false),
+    };
+    match dialog {
+        Dialog::Open(file)
+        | Dialog::Compare(file)
+        | Dialog::SaveScene(file)
+        | Dialog::SaveImage(file)
+        | Dialog::Render { file, .. } => {
+            let label = ui.label("File");
+            let field = egui::TextEdit::singleline(file).desired_width(f32::INFINITY);
+            let response = ui.add(field).labelled_by(label.id);
+            entered = response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+            if !response.has_focus() && !entered && ui.memory(|m| m.focused().is_none()) {
+                response.request_focus();
+            }
+            entered |= listing.show(ui, file, extensions);
+            if writes {
+                let there = listing.holds(file);
+                let said = if there { "It is there already, and will be replaced." } else { "" };
+                ui.colored_label(theme::NOTE, said);
+            }
+        }
+        Dialog::Discard(_) => {}
+    }
+    if let Dialog::Render { spp, size, .. } = dialog {
+        widgets::row(ui, "Samples per pixel", |ui, name| {
+            ui.add(egui::DragValue::new(spp).range(1..=1_000_000_u64)).labelled_by(name);
+        });
+        widgets::row(ui, "Size", |ui, name| {
+            for side in size {
+                ui.add(egui::DragValue::new(side).range(1..=16_384)).labelled_by(name);
+            }
+        });
+    }
+    ui.add_space(6.0);
+    let mut answer = entered.then_some(true);
+    ui.horizontal(|ui| {
+        if ui.button(go_on).clicked() {
+            answer = Some(true);
+        }
+        if ui.button("Cancel").clicked() {
+            answer = Some(false);
+        }
+    });
+    answer
+}

@@ -1,0 +1,145 @@
+//! What is read from files and written into them, beside the interface.
+
+use super::state::{Dialog, Window, Work};
+use crate::source::text_of;
+use eframe::egui;
+use rutilant::image::Image;
+use rutilant::light::Environment;
+use rutilant::scene::ImageId;
+use rutilant_formats::image::{Format, Pixels, WriteOptions};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+impl Window {
+    /// A scene or mesh is opened; any image becomes the sky.
+    pub(super) fn dropped(&mut self, file: PathBuf) {
+        if Format::from_path(&file).is_ok() {
+            self.read_image(file, |file, image| Work::Sky { file, image });
+        } else {
+            self.open_if_saved(Some(file));
+        }
+    }
+
+    pub(super) fn read_image(
+        &self,
+        file: PathBuf,
+        then: impl FnOnce(PathBuf, Image) -> Work + Send + 'static,
+    ) {
+        let limits = self.reading.limits;
+        self.beside_the_interface(move || match rutilant_formats::image::read(&file, &limits) {
+            Ok(image) if image.rgb().is_some() => then(file, image),
+            Ok(_) => Work::Failed(format!("{}: no channels R, G, B (or Y)", file.display())),
+            Err(error) => Work::Failed(error.to_string()),
+        });
+    }
+
+    pub(super) fn beside_the_interface(&self, work: impl FnOnce() -> Work + Send + 'static) {
+        let (sender, wake) = (self.work.0.clone(), self.context.clone());
+        std::thread::spawn(move || {
+            // Nobody hears it any more once the window is closed.
+            drop(sender.send(work()));
+            wake.request_repaint();
+        });
+    }
+
+    pub(super) fn use_sky(&mut self, file: &Path, image: Image) {
+        let Some(document) = &self.document else { return };
+        // Beside the scene it is named as the scene would name it.
+        let folder = document.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+        let inside = |file: &Path| {
+            let (file, folder) = (file.canonicalize().ok()?, folder.canonicalize().ok()?);
+            file.strip_prefix(folder).map(Path::to_owned).ok()
+        };
+        let name = inside(file).unwrap_or_else(|| file.to_owned());
+        let id = ImageId(self.image_names.len() as u32);
+        self.image_names.push(name.to_string_lossy().replace('\\', "/"));
+        self.live.add_image(image);
+        self.edit(|look| {
+            let rotation = look.environment.map_or(0.0, |sky| sky.rotation);
+            look.environment = Some(Environment { rotation, ..Environment::image(id) });
+        });
+    }
+
+    /// The folder that dialogs begin in.
+    pub(super) fn folder(&self) -> String {
+        let file = self.document.as_ref().and_then(|d| d.file.as_deref());
+        let folder = file.and_then(Path::parent).filter(|f| !f.as_os_str().is_empty());
+        folder.map(|f| format!("{}/", f.display())).unwrap_or_default()
+    }
+
+    pub(super) fn save(&mut self) {
+        let Some(document) = &self.document else { return };
+        match &document.file {
+            Some(file) if document.text.is_some() => self.save_scene(file.clone()),
+            _ => {
+                let stem = Path::new(&document.name(&self.reading)).with_extension("toml");
+                self.dialog =
+                    Some(Dialog::SaveScene(format!("{}{}", self.folder(), stem.display())));
+            }
+        }
+    }
+
+    pub(super) fn save_scene(&mut self, to: PathBuf) {
+        let (Some(document), Some(history)) = (&self.document, &self.history) else { return };
+        let in_place = document.file.as_deref() == Some(&*to);
+        if in_place
+            && let Some(text) = &document.text
+            && std::fs::read_to_string(&to).is_ok_and(|now| now != *text)
+        {
+            let to = to.display();
+            self.trouble = Some(format!("{to}: it has changed on disk; it will be read first"));
+            return;
+        }
+        // Its text is made here: the document does not change meanwhile.
+        let look = Arc::clone(history.present());
+        match text_of(document, &look, &self.image_names, &to, &self.reading) {
+            Ok(text) => self.beside_the_interface(move || match replace(&to, &text) {
+                Ok(()) => Work::Wrote { file: to, hash: None, saved: Some(look) },
+                Err(error) => Work::Failed(format!("{}: {error}", to.display())),
+            }),
+            Err(what) => self.trouble(what),
+        }
+    }
+
+    pub(super) fn write_image(&mut self, image: Arc<Image>, file: PathBuf) {
+        let Some(history) = &self.history else { return };
+        let display = history.present().display;
+        self.beside_the_interface(move || {
+            let hash = Some(format!("{:016x}", image.hash()));
+            let (width, height) = (image.width(), image.height());
+            let options = WriteOptions::default();
+            let for_display = Format::from_path(&file).is_ok_and(Format::is_for_display);
+            let written = if for_display {
+                let light = image.rgb().unwrap_or_default();
+                let rgb8: Vec<u8> = light.iter().flat_map(|rgb| display.encode(*rgb)).collect();
+                let pixels = Pixels::Display { width, height, rgb8: &rgb8 };
+                rutilant_formats::image::write(&file, pixels, &options)
+            } else {
+                rutilant_formats::image::write(&file, &*image, &options)
+            };
+            match written {
+                Ok(()) => Work::Wrote { file, hash, saved: None },
+                Err(error) => Work::Failed(error.to_string()),
+            }
+        });
+    }
+
+    pub(super) fn copy_image(&mut self) {
+        if let Some(shown) = &self.shown {
+            let size = shown.picture.size.map(|side| side as usize);
+            self.context.copy_image(egui::ColorImage::new(size, shown.picture.pixels.clone()));
+            self.message = Some("the picture is in the clipboard".into());
+        }
+    }
+}
+
+/// Writes a text in place of a file's, as a whole or not at all.
+pub(super) fn replace(file: &Path, text: &str) -> std::io::Result<()> {
+    let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut new = tempfile::NamedTempFile::new_in(folder)?;
+    std::io::Write::write_all(&mut new, text.as_bytes())?;
+    if let Ok(metadata) = std::fs::metadata(file) {
+        new.as_file().set_permissions(metadata.permissions())?;
+    }
+    new.persist(file).map(|_| ()).map_err(|error| error.error)
+}

@@ -1,0 +1,266 @@
+//! What keys and the mouse do.
+
+use super::canvas::{Laid, Tool};
+use super::report::Happened;
+use super::state::{After, Dialog, Window};
+use crate::keys::Action;
+use crate::pose::Pose;
+use eframe::egui::{self, Context, Event, Key, Ui, ViewportCommand};
+use rutilant::settings::Roulette;
+use rutilant_formats::Look;
+use rutilant_formats::camera::{AngleOfView, CameraKind};
+use rutilant_geom::Vec2;
+
+impl Window {
+    pub(super) fn hear_keys(&mut self, ui: &Ui, mut draft: Option<&mut Look>) {
+        let context = ui.ctx();
+        let (events, time, focused, command) =
+            context.input(|i| (i.events.clone(), i.time, i.raw.focused, i.modifiers.command));
+        let speed = self.speed(draft.as_deref());
+        // A key may have taken the keyboard from a widget just now: it was still meant for that one.
+        // Dialogs hear for themselves.
+        let typing = self.typing || context.egui_wants_keyboard_input() || self.dialog.is_some();
+        if !focused || typing {
+            self.flight.release_all();
+        }
+        let mut pose = draft.as_deref().map(pose_of);
+        for event in &events {
+            let &Event::Key { key, pressed, repeat: false, .. } = event else { continue };
+            if pressed && self.remapping.is_some() {
+                self.remap(key);
+                continue;
+            }
+            let Some(action) = self.keys.action(key) else { continue };
+            if pressed && !typing && !command {
+                if let Some(pose) = &mut pose {
+                    self.gesture += u64::from(!self.flight.is_moving());
+                    self.flight.press(action, time, pose, speed);
+                }
+                self.act(action, pose.as_mut(), draft.as_deref_mut());
+            } else if !pressed && let Some(pose) = &mut pose {
+                self.flight.release(action, time, pose, speed);
+            }
+        }
+        if let Some(pose) = &mut pose {
+            self.flight.advance(time, pose, speed);
+            if self.flight.is_moving() {
+                context.request_repaint();
+            }
+        }
+        if let (Some(draft), Some(pose)) = (draft, pose) {
+            put_pose(draft, pose);
+        }
+        let shortcut = |key| context.input(|i| i.modifiers.command && i.key_pressed(key));
+        let shift = context.input(|i| i.modifiers.shift);
+        if shortcut(Key::Z) && !shift && !typing {
+            self.undo();
+        } else if (shortcut(Key::Y) || (shortcut(Key::Z) && shift)) && !typing {
+            self.redo();
+        } else if shortcut(Key::S) {
+            self.save();
+        } else if shortcut(Key::O) {
+            self.dialog = Some(Dialog::Open(self.folder()));
+        }
+        let dropped = context.input(|i| i.raw.dropped_files.clone());
+        for file in dropped {
+            self.dropped(file.path().to_owned());
+        }
+    }
+
+    pub(super) fn remap(&mut self, key: Key) {
+        if let Some(action) = self.remapping.take() {
+            // Escape always means what it says.
+            if key != Key::Escape || action == Action::Close {
+                self.keys.set(action, key);
+                self.preferences.keys = self.keys.to_names();
+                self.keep_preferences();
+            }
+        }
+    }
+
+    /// Metres per second: a quarter of the scene's size.
+    pub(super) fn speed(&self, look: Option<&Look>) -> f64 {
+        let size = self.scene_size();
+        let near = look.map_or(size, |look| 2.0 * pose_of(look).distance());
+        0.25 * size.min(near.max(1e-3 * size))
+    }
+
+    /// The diagonal of the scene, in metres.
+    pub(super) fn scene_size(&self) -> f64 {
+        let bounds = self.document.as_ref().map(|d| d.bounds);
+        let size = bounds.filter(|b| !b.is_empty()).map_or(1.0, |b| b.extent().as_dvec3().length());
+        if size.is_finite() && size > 0.0 { size } else { 1.0 }
+    }
+
+    /// Does what a key asks for, as far as there is a scene that it can be done to.
+    fn act(&mut self, action: Action, pose: Option<&mut Pose>, look: Option<&mut Look>) {
+        let jump = 0.5 * self.scene_size();
+        let fly = |pose: Option<&mut Pose>, forward| {
+            if let Some(pose) = pose {
+                pose.fly([0.0, 0.0, forward]);
+            }
+        };
+        match action {
+            Action::JumpForward => fly(pose, jump),
+            Action::JumpBack => fly(pose, -jump),
+            Action::ToggleDepth => {
+                if let Some(look) = look {
+                    self.toggle_depth(look);
+                }
+            }
+            Action::PrintPose => {
+                if let (Some(pose), Some(look)) = (pose, look) {
+                    put_pose(look, *pose);
+                    let toml = look.camera.to_toml();
+                    self.context.copy_text(toml.clone());
+                    self.message = Some("the camera is in the clipboard".into());
+                    (self.report)(Happened::Pose { toml });
+                }
+            }
+            Action::Pause => self.paused = !self.paused,
+            Action::Panels => self.panels = !self.panels,
+            Action::FitAll => {
+                if let (Some(document), Some(pose), Some(look)) = (&self.document, pose, look) {
+                    pose.fit(&document.bounds, half_angle(look));
+                }
+            }
+            Action::Overlay => self.view.overlay = !self.view.overlay,
+            Action::StoreSnapshot => self.store_snapshot(),
+            Action::Help => self.help = !self.help,
+            Action::Close => self.close_something(),
+            Action::Forward
+            | Action::Back
+            | Action::Left
+            | Action::Right
+            | Action::Up
+            | Action::Down
+            | Action::TurnLeft
+            | Action::TurnRight
+            | Action::LookUp
+            | Action::LookDown => {}
+        }
+    }
+
+    /// Shows direct light alone, or all light again.
+    fn toggle_depth(&mut self, look: &mut Look) {
+        /// Paths of this length have met a lamp by themselves or after one surface.
+        const DIRECT: Option<u32> = Some(2);
+        /// For a scene that was read with direct light alone, and needs some end.
+        const LONG: Option<u32> = Some(512);
+        let depth = &mut look.settings.max_depth;
+        *depth = if *depth == DIRECT {
+            self.depth.or(if look.settings.roulette == Roulette::Off { LONG } else { None })
+        } else {
+            self.depth = *depth;
+            DIRECT
+        };
+    }
+
+    /// The topmost thing that is open, or the window.
+    pub(super) fn close_something(&mut self) {
+        let closed = self.dialog.take().is_some()
+            || std::mem::take(&mut self.help)
+            || std::mem::take(&mut self.picking)
+            || self.trouble.take().is_some();
+        if !closed {
+            self.ask_to_close();
+        }
+    }
+
+    pub(super) fn ask_to_close(&mut self) {
+        if self.is_changed() {
+            self.dialog = Some(Dialog::Discard(After::Close));
+        } else {
+            self.closing = true;
+        }
+    }
+
+    pub(super) fn close_if_asked(&mut self, context: &Context) {
+        if context.input(|i| i.viewport().close_requested()) && !self.closing && self.is_changed() {
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.dialog = Some(Dialog::Discard(After::Close));
+        } else if self.closing {
+            context.send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+
+    pub(super) fn hear_mouse(&mut self, ui: &Ui, laid: &Laid, look: &mut Look) {
+        let response = &laid.response;
+        let (modifiers, scroll) = ui.input(|i| (i.modifiers, i.smooth_scroll_delta().y));
+        let at = response.interact_pointer_pos().or(response.hover_pos());
+        if let Some(place) = at.and_then(|at| laid.place(at)) {
+            let asked = response.double_clicked() || (self.picking && response.clicked());
+            if asked && look.camera.kind.lens().is_some() {
+                self.live.find_focus(Vec2::new(place.x, place.y));
+                self.picking = false;
+            }
+        }
+        if self.canvas.tool == Tool::Picture || modifiers.command || laid.on_wipe {
+            return;
+        }
+        let mut pose = pose_of(look);
+        let delta = response.drag_delta();
+        // As much as the picture's height turns by this angle.
+        let height = laid.rect.height().max(1.0);
+        let (right, down) = (f64::from(delta.x / height), f64::from(delta.y / height));
+        let (primary, middle, secondary) = (
+            response.dragged_by(egui::PointerButton::Primary),
+            response.dragged_by(egui::PointerButton::Middle),
+            response.dragged_by(egui::PointerButton::Secondary),
+        );
+        if delta != egui::Vec2::ZERO {
+            if middle || (primary && modifiers.shift) {
+                let visible = match look.camera.kind {
+                    CameraKind::Orthographic { height, .. } => f64::from(height),
+                    CameraKind::Perspective { .. } | CameraKind::Equirectangular => {
+                        2.0 * pose.distance() * vertical_half_angle(look).tan()
+                    }
+                };
+                pose.pan(-right * visible, down * visible);
+            } else if secondary {
+                let angle = 2.0 * vertical_half_angle(look);
+                pose.turn(right * angle, down * angle);
+            } else if primary {
+                pose.orbit(-right * std::f64::consts::PI, -down * std::f64::consts::PI);
+            }
+        }
+        if response.hovered() && scroll != 0.0 {
+            let factor = (-f64::from(scroll) * 2e-3).exp();
+            if let CameraKind::Orthographic { height, .. } = &mut look.camera.kind {
+                *height = (f64::from(*height) * factor).clamp(1e-6, 1e12) as f32;
+            } else {
+                pose.dolly(factor);
+            }
+        }
+        put_pose(look, pose);
+    }
+}
+
+pub(super) fn pose_of(look: &Look) -> Pose {
+    let camera = &look.camera;
+    Pose { position: camera.position, look_at: camera.look_at, up: camera.up }
+}
+
+pub(super) fn put_pose(look: &mut Look, pose: Pose) {
+    let camera = &mut look.camera;
+    (camera.position, camera.look_at, camera.up) = (pose.position, pose.look_at, pose.up);
+}
+
+/// Half of what is seen from top to bottom, in radians.
+pub(super) fn vertical_half_angle(look: &Look) -> f64 {
+    match &look.camera.kind {
+        CameraKind::Perspective { view: AngleOfView::FovDegrees(degrees), .. } => {
+            0.5 * f64::from(*degrees).to_radians()
+        }
+        CameraKind::Perspective {
+            view: AngleOfView::FocalLengthMm(mm), sensor_height_mm, ..
+        } => (0.5 * f64::from(*sensor_height_mm / *mm)).atan(),
+        CameraKind::Orthographic { .. } | CameraKind::Equirectangular => 0.4,
+    }
+}
+
+/// Half of what is seen in the narrower direction, in radians.
+pub(super) fn half_angle(look: &Look) -> f64 {
+    let [width, height] = look.settings.size.map(f64::from);
+    (vertical_half_angle(look).tan() * (width / height).min(1.0)).atan()
+}

@@ -1,0 +1,244 @@
+//! Everything behind the window, and how what people want becomes what is rendered.
+
+use super::canvas::Canvas;
+use super::listing::Listing;
+use super::report::{Happened, Report};
+use super::theme;
+use crate::flight::Flight;
+use crate::history::History;
+use crate::keys::{Action, KeyMap};
+use crate::live::{JobState, Live, Shown, Wish};
+use crate::picture::View;
+use crate::prefs::Preferences;
+use crate::source::{Document, Opening, Reading};
+use crate::watch::Watch;
+use eframe::egui::{Context, TextureHandle, Ui};
+use rutilant::image::Image;
+use rutilant_formats::Look;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// The picture beside the rendered one.
+pub(super) struct Beside {
+    pub(super) name: String,
+    pub(super) image: Arc<Image>,
+}
+
+/// Everything behind the window.
+pub(crate) struct Window {
+    pub(super) reading: Reading,
+    pub(super) live: Live,
+    pub(super) context: Context,
+    pub(super) report: Report,
+    pub(super) preferences: Preferences,
+    pub(super) preferences_file: Option<PathBuf>,
+    pub(super) keys: KeyMap,
+    /// The action whose key is being changed.
+    pub(super) remapping: Option<Action>,
+
+    pub(super) opening: Option<Opening>,
+    /// What was opened last, or should have been, and whether it was on the screen already.
+    pub(super) tried: (Option<PathBuf>, bool),
+    pub(super) document: Option<Document>,
+    pub(super) history: Option<History<Look>>,
+    /// The look that the file has.
+    pub(super) saved: Option<Arc<Look>>,
+    /// Names of all images, those that were added among them.
+    pub(super) image_names: Vec<String>,
+    pub(super) watch: Option<Watch>,
+
+    pub(super) view: View,
+    pub(super) paused: bool,
+    pub(super) endless: bool,
+    pub(super) beside: Option<Beside>,
+    /// What was wished for last.
+    pub(super) wished: Option<Wish>,
+    pub(super) shown: Option<Shown>,
+    pub(super) textures: [Option<TextureHandle>; 2],
+
+    pub(super) canvas: Canvas,
+    pub(super) flight: Flight,
+    /// Counts presses of the mouse and runs of keys: each is one gesture.
+    pub(super) gesture: u64,
+    pub(super) picking: bool,
+    /// The depth that H goes back to.
+    pub(super) depth: Option<u32>,
+    pub(super) panels: bool,
+    pub(super) help: bool,
+    pub(super) dialog: Option<Dialog>,
+    /// The files that dialogs offer.
+    pub(super) listing: Listing,
+    /// Whether the frame before left the keyboard to a widget.
+    pub(super) typing: bool,
+    pub(super) filter: String,
+    /// The last thing that went wrong, and the last that went well.
+    pub(super) trouble: Option<String>,
+    pub(super) message: Option<String>,
+    pub(super) job: Option<JobState>,
+    pub(super) work: (Sender<Work>, Receiver<Work>),
+    pub(super) closing: bool,
+}
+
+/// What is asked for in a dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Dialog {
+    Open(String),
+    Compare(String),
+    SaveScene(String),
+    SaveImage(String),
+    Render { file: String, spp: u64, size: [u32; 2] },
+    Discard(After),
+}
+
+/// What happens once changes may be lost.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum After {
+    Close,
+    Open(Option<PathBuf>),
+}
+
+/// Files that are read or written beside the interface.
+pub(super) enum Work {
+    Wrote { file: PathBuf, hash: Option<String>, saved: Option<Arc<Look>> },
+    Sky { file: PathBuf, image: Image },
+    Beside(Beside),
+    Failed(String),
+}
+
+impl Window {
+    pub(crate) fn new(
+        context: &Context,
+        reading: Reading,
+        threads: usize,
+        file: Option<PathBuf>,
+        preferences_file: Option<PathBuf>,
+        report: Report,
+    ) -> Self {
+        theme::apply(context);
+        let preferences = preferences_file.as_deref().map(Preferences::read).unwrap_or_default();
+        let wake = context.clone();
+        let mut window = Self {
+            live: Live::start(threads, move || wake.request_repaint()),
+            context: context.clone(),
+            report,
+            keys: preferences.key_map(),
+            preferences,
+            preferences_file,
+            remapping: None,
+            reading,
+            opening: None,
+            tried: (None, false),
+            document: None,
+            history: None,
+            saved: None,
+            image_names: Vec::new(),
+            watch: None,
+            view: View::default(),
+            paused: false,
+            endless: false,
+            beside: None,
+            wished: None,
+            shown: None,
+            textures: [None, None],
+            canvas: Canvas::default(),
+            flight: Flight::default(),
+            gesture: 0,
+            picking: false,
+            depth: None,
+            panels: true,
+            help: false,
+            dialog: None,
+            listing: Listing::default(),
+            typing: false,
+            filter: String::new(),
+            trouble: None,
+            message: None,
+            job: None,
+            work: channel(),
+            closing: false,
+        };
+        window.open(file, false);
+        window
+    }
+
+    /// Makes a changed draft the present look, and tells the rendering.
+    pub(super) fn commit(&mut self, ui: &Ui, before: Option<Arc<Look>>, draft: Option<Look>) {
+        let Some(history) = &mut self.history else { return };
+        let (pressed, down) = ui.input(|i| (i.pointer.any_pressed(), i.pointer.any_down()));
+        if pressed {
+            self.gesture += 1;
+        }
+        let moving = down || self.flight.is_moving();
+        // Undo, or a file that was read again, has the last word.
+        let undone = before.is_none_or(|before| !Arc::ptr_eq(&before, history.present()));
+        if let Some(draft) = draft.filter(|_| !undone) {
+            history.change(draft, moving.then_some(self.gesture));
+        }
+        if !moving {
+            history.end_gesture();
+        }
+        self.wish();
+    }
+
+    /// Tells the rendering what is to be seen, where that has changed.
+    pub(super) fn wish(&mut self) {
+        let Some(history) = &self.history else { return };
+        let look = Arc::clone(history.present());
+        let view = View { display: look.display, ..self.view };
+        let beside = self.beside.as_ref().map(|b| Arc::clone(&b.image));
+        let (paused, endless) = (self.paused, self.endless);
+        let wish = Wish { look, view, paused, endless, beside };
+        if !self.wished.as_ref().is_some_and(|wished| wished.is_same_as(&wish)) {
+            self.wished = Some(wish.clone());
+            self.live.wish(wish);
+        }
+    }
+
+    /// A change that is a step of its own.
+    pub(super) fn edit(&mut self, change: impl FnOnce(&mut Look)) {
+        if let Some(history) = &mut self.history {
+            let mut look = Look::clone(history.present());
+            change(&mut look);
+            history.change(look, None);
+        }
+    }
+
+    pub(super) fn undo(&mut self) {
+        if let Some(history) = &mut self.history {
+            history.undo();
+        }
+    }
+
+    pub(super) fn redo(&mut self) {
+        if let Some(history) = &mut self.history {
+            history.redo();
+        }
+    }
+
+    /// Whether the look differs from the file's in more than where the camera stands.
+    pub(super) fn is_changed(&self) -> bool {
+        let (Some(history), Some(saved)) = (&self.history, &self.saved) else { return false };
+        let now = history.present();
+        Look { camera: saved.camera.clone(), ..Look::clone(now) } != **saved
+    }
+
+    pub(super) fn store_snapshot(&mut self) {
+        if let Some(shown) = &self.shown {
+            let image = Arc::clone(&shown.picture.image);
+            self.beside = Some(Beside { name: "the kept picture".into(), image });
+        }
+    }
+
+    pub(super) fn trouble(&mut self, what: String) {
+        (self.report)(Happened::Trouble { what: what.clone() });
+        self.trouble = Some(what);
+    }
+
+    pub(super) fn keep_preferences(&self) {
+        if let Some(file) = &self.preferences_file {
+            // A window that cannot remember is no reason to stop.
+            drop(self.preferences.write(file));
+        }
+    }
+}
