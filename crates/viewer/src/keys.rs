@@ -29,9 +29,9 @@ pub enum Action {
     LookUp,
     /// Turns down, while it is held.
     LookDown,
-    /// Forward by half of the scene's size.
+    /// As far forward as one flies in a second.
     JumpForward,
-    /// Back by half of the scene's size.
+    /// As far back as one flies in a second.
     JumpBack,
     /// Between direct light alone and all light.
     ToggleDepth,

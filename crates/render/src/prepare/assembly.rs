@@ -38,12 +38,13 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    /// Puts everything together; takes over the tree of the scene `before` where it fits.
+    /// Puts everything together; takes over of the scene `before` its tree, and what follows from
+    /// that alone, where it fits.
     pub(super) fn finish(
         mut self,
         scene: &Scene,
         options: &BuildOptions,
-        before: Option<&Arc<Surfaces>>,
+        before: Option<&Prepared>,
     ) -> Prepared {
         self.enclosures = enclosures(scene);
         for (number, object) in scene.objects.iter().enumerate() {
@@ -62,20 +63,25 @@ impl Assembly {
 
         let (triangles, spheres, disks, customs) =
             (self.triangles.len(), self.spheres.len(), self.disks.len(), self.customs.len());
-        let fits = |before: &&Arc<Surfaces>| {
+        let fits = |before: &&Prepared| {
             let Self { positions, triangles, spheres, disks, customs, .. } = &self;
-            before.are_of(positions, triangles, spheres, disks, customs)
+            before.surfaces.are_of(positions, triangles, spheres, disks, customs)
         };
-        let surfaces = if let Some(before) = before.filter(fits) {
-            Arc::clone(before)
+        let object_of_primitive: Arc<[u32]> = self.objects_of.concat().into();
+        let (surfaces, extents) = if let Some(before) = before.filter(fits) {
+            let same_objects = before.object_of_primitive == object_of_primitive
+                && before.objects.len() == self.objects.len();
+            let extents = same_objects.then(|| Arc::clone(&before.extents));
+            (Arc::clone(&before.surfaces), extents.unwrap_or_default())
         } else {
             let Self { positions, triangles, spheres, disks, customs, .. } = self;
             let built =
                 Surfaces::with_custom(positions, triangles, spheres, disks, customs, options);
-            Arc::new(match before {
-                Some(before) => built.at_level_of(before),
+            let surfaces = match before {
+                Some(before) => built.at_level_of(&before.surfaces),
                 None => built,
-            })
+            };
+            (Arc::new(surfaces), Arc::default())
         };
         let left_out = surfaces.report().left_out;
         if left_out.count > 0 {
@@ -119,7 +125,7 @@ impl Assembly {
             camera: scene.camera,
             surfaces,
             build: *options,
-            object_of_primitive: self.objects_of.concat().into(),
+            object_of_primitive,
             objects: self.objects.into(),
             normals: self.normals.into(),
             uvs: self.uvs.into(),
@@ -135,6 +141,7 @@ impl Assembly {
             has_borders,
             is_plain,
             casting: None,
+            extents,
             report,
         };
         prepared.casting = prepared.find_casting().map(Arc::new);

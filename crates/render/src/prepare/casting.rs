@@ -7,8 +7,8 @@ use crate::medium::{Border, Media};
 use rutilant_geom::{Aabb, Frame, Ray, Vec2, Vec3, offset_origin};
 
 /// How far an object extends.
-#[derive(Clone, Copy)]
-struct Extent {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
     bounds: Aabb,
     /// From the middle of the box.
     reach: f32,
@@ -60,8 +60,11 @@ impl Prepared {
     pub(super) fn find_casting(&self) -> Option<Casting> {
         /// A point of a lamp.
         const SOMEWHERE: Vec2 = Vec2::new(0.37, 0.61);
-        let extents = self.is_plain.then(|| self.extents())?;
-        let casters = self.casters(&extents);
+        if !self.is_plain || !self.materials.iter().any(|m| m.bsdf.has_delta()) {
+            return None;
+        }
+        let extents = self.extents.get_or_init(|| self.find_extents());
+        let casters = self.casters(extents);
         if casters.is_empty() {
             return None;
         }
@@ -119,12 +122,9 @@ impl Prepared {
         Casters::new(casters.map(caster).collect())
     }
 
-    /// How far each object extends; empty where nothing is that could throw light.
-    fn extents(&self) -> Vec<Extent> {
+    /// How far each object extends.
+    fn find_extents(&self) -> Vec<Extent> {
         let mut extents = vec![Extent { bounds: Aabb::EMPTY, reach: 0.0 }; self.objects.len()];
-        if !self.materials.iter().any(|m| m.bsdf.has_delta()) {
-            return extents;
-        }
         self.each_piece(|object, point, radius| {
             let bounds = &mut extents[object].bounds;
             *bounds = bounds.grown(point - radius).grown(point + radius);

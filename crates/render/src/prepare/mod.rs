@@ -49,7 +49,7 @@ impl Prepared {
     /// As for [`new`](Self::new).
     pub fn edited(&self, scene: &Scene) -> Result<Self, SceneProblem> {
         scene.validate()?;
-        Ok(Assembly::default().finish(scene, &self.build, Some(&self.surfaces)))
+        Ok(Assembly::default().finish(scene, &self.build, Some(self)))
     }
 
     /// The same scene seen by another camera, as [`new`](Self::new) would prepare it; everything else

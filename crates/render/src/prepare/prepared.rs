@@ -1,6 +1,6 @@
 //! A scene as rays find it: what they meet, what that is made of, what gives light.
 
-use super::casting::Casting;
+use super::casting::{Casting, Extent};
 use super::material::PreparedMaterial;
 use crate::camera::Camera;
 use crate::interaction::SurfaceInteraction;
@@ -13,7 +13,7 @@ use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
 };
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A scene that rays can be traced through. It does not change any more; its copies share what is in
 /// it, so that another view of it costs nothing ([`seen_by`](Self::seen_by)).
@@ -47,6 +47,8 @@ pub struct Prepared {
     pub(super) is_plain: bool,
     /// What caustics come from, where there can be some.
     pub(super) casting: Option<Arc<Casting>>,
+    /// How far each object extends, once that is known.
+    pub(super) extents: Arc<OnceLock<Vec<Extent>>>,
     pub(super) report: PrepareReport,
 }
 

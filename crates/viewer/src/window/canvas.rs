@@ -2,7 +2,8 @@
 
 use super::theme::BACKDROP;
 use eframe::egui::{
-    Color32, Pos2, Rect, Response, Sense, Stroke, TextureHandle, Ui, Vec2, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, TextureHandle, Ui, Vec2,
+    pos2, vec2,
 };
 
 /// What the mouse does.
@@ -69,7 +70,7 @@ impl Canvas {
         ui: &mut Ui,
         size: [u32; 2],
         picture: Option<&TextureHandle>,
-        beside: Option<&TextureHandle>,
+        beside: Option<(&TextureHandle, &str)>,
     ) -> Laid {
         let (outer, response) =
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
@@ -89,7 +90,7 @@ impl Canvas {
         if let Some(picture) = picture {
             painter.image(picture.id(), rect, whole, Color32::WHITE);
         }
-        if let Some(beside) = beside {
+        if let Some((beside, name)) = beside {
             let x = rect.left() + self.wipe * rect.width();
             let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
             let clipped = painter.with_clip_rect(right.intersect(outer));
@@ -106,6 +107,9 @@ impl Canvas {
                 ui.ctx().set_cursor_icon(eframe::egui::CursorIcon::ResizeHorizontal);
             }
             painter.vline(x, rect.y_range(), Stroke::new(2.0, Color32::from_white_alpha(180)));
+            let y = rect.top().max(outer.top()) + 8.0;
+            caption(&painter, pos2(x - 12.0, y), Align2::RIGHT_TOP, "now");
+            caption(&painter, pos2(x + 12.0, y), Align2::LEFT_TOP, name);
         }
         Laid { response, rect, size, on_wipe }
     }
@@ -128,4 +132,13 @@ impl Canvas {
             self.zoom = Some(next);
         }
     }
+}
+
+/// Writes on the picture, on a dark ground that lets it be read on any.
+pub(super) fn caption(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+    let font = FontId::monospace(12.0);
+    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::from_gray(230));
+    let rect = align.anchor_size(at, galley.size());
+    painter.rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(170));
+    painter.galley(rect.min, galley, Color32::WHITE);
 }

@@ -1,6 +1,6 @@
 //! The picture, and what is said over it.
 
-use super::canvas::Laid;
+use super::canvas::{Laid, caption};
 use super::state::Window;
 use super::theme;
 use crate::source::Step;
@@ -16,7 +16,8 @@ impl Window {
             (None, None) => [16, 9],
         };
         let [picture, beside] = &self.textures;
-        let laid = self.canvas.show(ui, size, picture.as_ref(), beside.as_ref());
+        let name = self.beside.as_ref().map(|beside| &*beside.name);
+        let laid = self.canvas.show(ui, size, picture.as_ref(), beside.as_ref().zip(name));
         if let Some(look) = draft {
             self.hear_mouse(ui, &laid, look);
         }
@@ -40,13 +41,8 @@ impl Window {
         let [r, g, b] = ["R", "G", "B"].map(|name| value(name).unwrap_or(0.0));
         let count = value("samples.Y").map_or(String::new(), |n| format!("   {n} samples"));
         let text = format!("{x}, {y}   {r:.5}  {g:.5}  {b:.5}{count}");
-        let painter = ui.painter();
         let corner = laid.response.rect.left_bottom() + vec2(8.0, -8.0);
-        let font = egui::FontId::monospace(12.0);
-        let galley = painter.layout_no_wrap(text, font, Color32::from_gray(230));
-        let rect = Align2::LEFT_BOTTOM.anchor_size(corner, galley.size());
-        painter.rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(170));
-        painter.galley(rect.min, galley, Color32::WHITE);
+        caption(ui.painter(), corner, Align2::LEFT_BOTTOM, &text);
     }
 
     /// Said over the picture while there is none, or while something is wrong.

@@ -8,7 +8,7 @@ use crate::pose::Pose;
 use eframe::egui::{self, Context, Event, Key, Ui, ViewportCommand};
 use rutilant::settings::Roulette;
 use rutilant_formats::Look;
-use rutilant_formats::camera::{AngleOfView, CameraKind};
+use rutilant_formats::camera::{AngleOfView, AuthoredCamera, CameraKind, FocusOn};
 use rutilant_geom::Vec2;
 
 impl Window {
@@ -78,7 +78,8 @@ impl Window {
         }
     }
 
-    /// Metres per second: a quarter of the scene's size.
+    /// Metres per second: half of the way to what is looked at, and no more than a quarter of the
+    /// scene's size.
     pub(super) fn speed(&self, look: Option<&Look>) -> f64 {
         let size = self.scene_size();
         let near = look.map_or(size, |look| 2.0 * pose_of(look).distance());
@@ -86,7 +87,7 @@ impl Window {
     }
 
     /// The diagonal of the scene, in metres.
-    pub(super) fn scene_size(&self) -> f64 {
+    fn scene_size(&self) -> f64 {
         let bounds = self.document.as_ref().map(|d| d.bounds);
         let size = bounds.filter(|b| !b.is_empty()).map_or(1.0, |b| b.extent().as_dvec3().length());
         if size.is_finite() && size > 0.0 { size } else { 1.0 }
@@ -94,7 +95,8 @@ impl Window {
 
     /// Does what a key asks for, as far as there is a scene that it can be done to.
     fn act(&mut self, action: Action, pose: Option<&mut Pose>, look: Option<&mut Look>) {
-        let jump = 0.5 * self.scene_size();
+        // As far as one flies in a second.
+        let jump = self.speed(look.as_deref());
         let fly = |pose: Option<&mut Pose>, forward| {
             if let Some(pose) = pose {
                 pose.fly([0.0, 0.0, forward]);
@@ -244,6 +246,18 @@ pub(super) fn pose_of(look: &Look) -> Pose {
 pub(super) fn put_pose(look: &mut Look, pose: Pose) {
     let camera = &mut look.camera;
     (camera.position, camera.look_at, camera.up) = (pose.position, pose.look_at, pose.up);
+}
+
+/// Where the point of focus has come to lie behind the camera, which sees nothing then, what is
+/// looked at becomes sharp.
+pub(super) fn keep_focus_in_front(camera: &mut AuthoredCamera) {
+    let (position, view) = (camera.position, camera.look_at - camera.position);
+    if let Some(lens) = camera.kind.lens_mut()
+        && let FocusOn::Point(point) = lens.focus
+        && (point - position).dot(view) <= 0.0
+    {
+        lens.focus = FocusOn::LookAt;
+    }
 }
 
 /// Half of what is seen from top to bottom, in radians.

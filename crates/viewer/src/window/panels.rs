@@ -157,7 +157,8 @@ pub(super) fn materials(ui: &mut Ui, materials: &mut [Material], filter: &mut St
             };
             left = less;
             let name = if material.name.is_empty() { "without a name" } else { &material.name };
-            let title = format!("{name}  ·  {}", kind_name(&material.kind));
+            let glows = if material.emission.is_some() { ", glows" } else { "" };
+            let title = format!("{name}  ·  {}{glows}", kind_name(&material.kind));
             CollapsingHeader::new(title).id_salt(i).show(ui, |ui| one_material(ui, material));
         }
     });
@@ -347,6 +348,15 @@ pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, at: Vec3) {
         ui.horizontal(|ui| {
             if ui.button("Add a point light").clicked() {
                 lights.push(Light::Point { position: at, intensity: Rgb::grey(10.0) });
+            }
+            if ui.button("Add a spot").clicked() {
+                lights.push(Light::Spot {
+                    position: at + Vec3::Y,
+                    direction: Vec3::NEG_Y,
+                    light: SpotLight::Intensity(Rgb::grey(10.0)),
+                    inner: 20_f32.to_radians(),
+                    outer: 30_f32.to_radians(),
+                });
             }
             if ui.button("Add a sun").clicked() {
                 let direction = Vec3::new(-0.4, -1.0, -0.6);

@@ -1,6 +1,7 @@
 //! Everything behind the window, and how what people want becomes what is rendered.
 
 use super::canvas::Canvas;
+use super::input::keep_focus_in_front;
 use super::listing::Listing;
 use super::report::{Happened, Report};
 use super::theme;
@@ -172,7 +173,8 @@ impl Window {
         let moving = down || self.flight.is_moving();
         // Undo, or a file that was read again, has the last word.
         let undone = before.is_none_or(|before| !Arc::ptr_eq(&before, history.present()));
-        if let Some(draft) = draft.filter(|_| !undone) {
+        if let Some(mut draft) = draft.filter(|_| !undone) {
+            keep_focus_in_front(&mut draft.camera);
             history.change(draft, moving.then_some(self.gesture));
         }
         if !moving {

@@ -139,6 +139,22 @@ impl Desk {
         self.harness.step();
     }
 
+    /// Lets go of everything, mends the file and waits until all is done.
+    fn rest(&mut self, keys: &[Key]) {
+        keys.iter().for_each(|key| self.harness.key_up(*key));
+        self.harness.drop_at(pos2(1.0, 1.0));
+        std::fs::write(self.file(), SCENE).unwrap();
+        self.harness.set_size(vec2(900.0, 700.0));
+        let window = self.window_mut();
+        (window.view, window.paused, window.endless) = (View::default(), false, false);
+        (window.dialog, window.help) = (None, false);
+        for _ in 0..60 {
+            std::thread::sleep(Duration::from_millis(10));
+            self.harness.step();
+        }
+        self.settle();
+    }
+
     /// The hash of what the window shows.
     fn hash(&self) -> u64 {
         self.window().shown.as_ref().unwrap().picture.image.hash()
@@ -465,6 +481,11 @@ fn anything_may_happen_in_any_order() {
                     _ => SCENE.to_owned(),
                 };
                 std::fs::write(desk.file(), text).unwrap();
+                // Long enough for it to be read, most of the time.
+                for _ in 0..random(50) {
+                    desk.harness.step();
+                    std::thread::sleep(Duration::from_millis(10));
+                }
             }
             9 => desk.window_mut().undo(),
             10 => desk.window_mut().redo(),
@@ -487,26 +508,31 @@ fn anything_may_happen_in_any_order() {
             }
         }
         desk.harness.step();
+        // Sometimes there is time for a picture.
+        std::thread::sleep(Duration::from_millis(random(16).saturating_sub(8)));
         if round == rounds / 2 {
             early = resident();
+        }
+        if round % (rounds / 5).max(1) == 0 {
+            desk.rest(&keys);
+            assert_eq!(desk.hash(), desk.headless(), "after round {round}");
         }
     }
     let late = resident();
     assert!(late < early + 64_000, "{early} kB grew to {late} kB");
 
-    // Back to rest, with the file as it is on disk.
-    keys[..6].iter().for_each(|key| desk.harness.key_up(*key));
-    desk.harness.drop_at(pos2(1.0, 1.0));
-    std::fs::write(desk.file(), SCENE).unwrap();
-    desk.harness.set_size(vec2(900.0, 700.0));
-    let window = desk.window_mut();
-    (window.view, window.paused, window.endless) = (View::default(), false, false);
-    (window.dialog, window.help) = (None, false);
-    for _ in 0..60 {
-        std::thread::sleep(Duration::from_millis(10));
-        desk.harness.step();
-    }
-    desk.settle();
-    let (look, loaded) = (desk.look(), read_scene(&desk.file(), &ReadOptions::default()).unwrap());
-    assert_eq!(desk.hash(), headless(loaded.scene, &look));
+    desk.rest(&keys);
+    assert_eq!(desk.hash(), desk.headless());
+    let happened = desk.happened.borrow();
+    let count = |of: fn(&Happened) -> bool| happened.iter().filter(|h| of(h)).count() as u64;
+    let (opened, pictures, troubles) = (
+        count(|h| matches!(h, Happened::Opened { .. })),
+        count(|h| matches!(h, Happened::Picture { .. })),
+        count(|h| matches!(h, Happened::Trouble { .. })),
+    );
+    println!(
+        "{rounds} rounds: {opened} scenes read, {troubles} not, {pictures} pictures; {early} kB, \
+         then {late} kB"
+    );
+    assert!(opened > rounds / 300 && pictures > rounds / 10, "{opened} {pictures}");
 }
