@@ -141,9 +141,7 @@ impl Rendering<'_> {
                 while !self.stop.load(Ordering::Relaxed) {
                     let ticket = next.fetch_add(1, Ordering::Relaxed);
                     if ticket < tiles {
-                        let mut tile = self.film.tile(ticket);
-                        self.render_tile::<S, I>(&mut tile, until_sample, integrator, eye);
-                        self.film.publish(ticket, &tile);
+                        self.render_tile::<S, I>(ticket, until_sample, integrator, eye);
                     } else if let (Some(caustics), Some(splats)) =
                         (integrator.caustics(), self.film.splats())
                         && ticket < tiles + blocks
@@ -205,21 +203,24 @@ impl Rendering<'_> {
         self.counters.rays.fetch_add(rays, Ordering::Relaxed);
     }
 
+    /// Renders a tile until its pixels have `until_sample` samples, or until it is to stop. It is
+    /// locked only for what is added, so that whoever looks at the film never waits for rays.
     fn render_tile<S: Sampler, I: Integrator>(
         &self,
-        tile: &mut Tile,
+        index: usize,
         until_sample: u64,
         integrator: &I,
         Eye { camera, filter }: Eye<'_>,
     ) {
-        let (area, settings) = (tile.area, self.settings);
+        let settings = self.settings;
+        let Tile { area, next_sample: mut next, .. } = *self.film.tile(index);
         let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
         let (mut rays, mut paths) = (0, 0);
         let mut starts = Vec::<Starts<S>>::new();
         let (mut weights, mut found) = (Vec::new(), Vec::new());
-        while tile.next_sample < until_sample {
-            let until = until_sample.min(tile.next_sample + SAMPLES_AT_ONCE);
-            let samples = tile.next_sample..until;
+        while next < until_sample && !self.stop.load(Ordering::Relaxed) {
+            let until = until_sample.min(next + SAMPLES_AT_ONCE);
+            let samples = next..until;
             let places = pixels_of(&area)
                 .flat_map(|pixel| samples.clone().map(move |sample| (pixel, sample)));
             let places: Vec<([u32; 2], u64)> = places.collect();
@@ -241,13 +242,16 @@ impl Rendering<'_> {
             );
             integrator.estimates(self.scene, &starts, &mut found, &mut rays);
             let weights = weights.iter().flatten();
+            let mut tile = self.film.tile(index);
             for ((&(pixel, sample), &(radiance, control)), &weight) in
                 places.iter().zip(&found).zip(weights)
             {
-                self.film.add(tile, pixel, sample, radiance * weight, control * weight);
+                self.film.add(&mut tile, pixel, sample, radiance * weight, control * weight);
             }
             paths += places.len() as u64;
             tile.next_sample = until;
+            self.film.publish(index, &tile);
+            next = until;
         }
         self.counters.rays.fetch_add(rays, Ordering::Relaxed);
         self.counters.paths.fetch_add(paths, Ordering::Relaxed);

@@ -148,7 +148,7 @@ impl Session {
         self.shared.state().ending = true;
     }
 
-    /// Ends the rendering as soon as each thread has finished its tile. Pixels may have different
+    /// Ends the rendering as soon as each thread has finished a few samples of its tile. Pixels may have different
     /// numbers of samples; [`extend`](Self::extend) evens them out.
     pub fn cancel(&self) {
         self.shared.state().ending = true;
@@ -212,6 +212,8 @@ impl Shared {
         /// In a pass each thread traces about this many rays: enough to outweigh its start, and few
         /// enough to be over soon when it is to be the last.
         const RAYS_EACH: u64 = 1 << 21;
+        /// A pass is at most so many times as long as all before it.
+        const LEAP: u64 = 8;
         let window = self.settings.window();
         let pixels = u64::from(window.width) * u64::from(window.height);
         let done = self.film.samples();
@@ -219,7 +221,8 @@ impl Shared {
         let (paths, rays) = self.counters.so_far();
         let rays_per_sample = rays as f64 / paths.max(1) as f64 * pixels as f64;
         let affordable = RAYS_EACH as f64 * self.threads as f64 / rays_per_sample.max(1.0);
-        let samples = if done == 0 { 1 } else { (affordable as u64).max(1) };
+        // A few paths tell little of how long all will be.
+        let samples = (affordable as u64).min(LEAP * done).max(1);
         let mut state = self.state();
         if state.ending || done >= state.target {
             state.running = false;

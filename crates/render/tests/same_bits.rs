@@ -16,7 +16,7 @@ use rutilant::settings::{
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::{Prepared, Session};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Some of everything: glass, a lamp, a sky, a floor, a lens.
 fn scene() -> Arc<Prepared> {
@@ -270,4 +270,28 @@ fn sessions_end_cleanly() {
     session.cancel();
     finish(&session);
     drop(Session::start(scene, settings(1_000_000), 2).unwrap());
+}
+
+/// Who looks does not wait for rays, and who wants to end does not wait for a pass: not even where
+/// all of the picture is one tile, on which a thread is always at work.
+#[test]
+fn nobody_waits_for_a_tile() {
+    // Without light paths, during which nobody is at the tile.
+    let small = Settings { size: [9, 7], caustics: false, ..settings(1 << 32) };
+    let session = Session::start(scene(), small, 1).unwrap();
+    let least = |image: &Image| {
+        let counts = image.channel("samples.Y").unwrap().iter();
+        counts.copied().fold(f32::INFINITY, f32::min)
+    };
+    while least(&session.snapshot()) < 1000.0 {}
+    let (begin, before) = (Instant::now(), least(&session.snapshot()));
+    for _ in 0..30 {
+        session.snapshot();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(least(&session.snapshot()) > before);
+    session.cancel();
+    finish(&session);
+    let took = begin.elapsed();
+    assert!(took < Duration::from_secs(3), "{took:?}");
 }

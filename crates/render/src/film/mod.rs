@@ -224,9 +224,7 @@ impl Film {
         let Crop { width, height, .. } = self.window;
         let pixels = width as usize * height as usize;
         let mut values = [const { Vec::new() }; 7].map(|_: Vec<f32>| vec![0.0; pixels]);
-        // From the last: threads take tiles from the first on, and who went their way would stand
-        // behind them at every tile until their pass is over.
-        for i in (0..self.tile_count()).rev() {
+        for i in 0..self.tile_count() {
             let tile = self.tile(i);
             let area = tile.area;
             for (k, pixel) in tile.pixels.iter().enumerate() {
