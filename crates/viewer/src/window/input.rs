@@ -14,8 +14,7 @@ use rutilant_geom::Vec2;
 impl Window {
     pub(super) fn hear_keys(&mut self, ui: &Ui, mut draft: Option<&mut Look>) {
         let context = ui.ctx();
-        let (events, time, focused, command) =
-            context.input(|i| (i.events.clone(), i.time, i.raw.focused, i.modifiers.command));
+        let (events, time, focused) = context.input(|i| (i.events.clone(), i.time, i.raw.focused));
         let speed = self.speed(draft.as_deref());
         // A key may have taken the keyboard from a widget just now: it was still meant for that one.
         // Dialogs hear for themselves.
@@ -25,13 +24,20 @@ impl Window {
         }
         let mut pose = draft.as_deref().map(pose_of);
         for event in &events {
-            let &Event::Key { key, pressed, repeat: false, .. } = event else { continue };
+            // With the modifiers of its own moment: within a slow frame they come and go.
+            let &Event::Key { key, pressed, repeat: false, modifiers, .. } = event else {
+                continue;
+            };
             if pressed && self.remapping.is_some() {
                 self.remap(key);
                 continue;
             }
+            if pressed && modifiers.command {
+                self.hear_shortcut(key, modifiers.shift, typing);
+                continue;
+            }
             let Some(action) = self.keys.action(key) else { continue };
-            if pressed && !typing && !command {
+            if pressed && !typing {
                 if let Some(pose) = &mut pose {
                     self.gesture += u64::from(!self.flight.is_moving());
                     self.flight.press(action, time, pose, speed);
@@ -50,20 +56,22 @@ impl Window {
         if let (Some(draft), Some(pose)) = (draft, pose) {
             put_pose(draft, pose);
         }
-        let shortcut = |key| context.input(|i| i.modifiers.command && i.key_pressed(key));
-        let shift = context.input(|i| i.modifiers.shift);
-        if shortcut(Key::Z) && !shift && !typing {
-            self.undo();
-        } else if (shortcut(Key::Y) || (shortcut(Key::Z) && shift)) && !typing {
-            self.redo();
-        } else if shortcut(Key::S) {
-            self.save();
-        } else if shortcut(Key::O) {
-            self.dialog = Some(Dialog::Open(self.folder()));
-        }
         let dropped = context.input(|i| i.raw.dropped_files.clone());
         for file in dropped {
             self.dropped(file.path().to_owned());
+        }
+    }
+
+    /// A key with Ctrl, or with ⌘ on a Mac.
+    fn hear_shortcut(&mut self, key: Key, shift: bool, typing: bool) {
+        match (key, shift) {
+            (Key::Z, false) if !typing => self.undo(),
+            (Key::Z, true) | (Key::Y, _) if !typing => self.redo(),
+            (Key::S, _) if self.dialog.is_none() => self.save(),
+            (Key::O, _) if self.dialog.is_none() => {
+                self.dialog = Some(Dialog::Open(self.folder()));
+            }
+            _ => {}
         }
     }
 
