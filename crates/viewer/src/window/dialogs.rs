@@ -58,7 +58,7 @@ impl Window {
 
     pub(super) fn help_window(&mut self, context: &Context) {
         let mut open = true;
-        egui::Window::new("Keys").open(&mut open).resizable(false).show(context, |ui| {
+        egui::Window::new("Keys").open(&mut open).default_pos([16.0, 36.0]).resizable(false).show(context, |ui| {
             egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
                 for action in Action::all() {
                     ui.label(action.label());
