@@ -2,14 +2,20 @@
 //!
 //! A sample for every pixel of a large picture takes longer than one likes to
 //! wait. So the first picture has fewer pixels: as many as are done within a
-//! twentieth of a second, as far as one can tell from what came before. Each
-//! rung has twice the width and height of the one below, up to the picture
+//! twentieth of a second, or in less where an edit of the scene took some of
+//! it, as far as one can tell from what came before. Each rung has twice the width and height of the one below, up to the picture
 //! itself, which then gathers samples.
 
 use std::time::Duration;
 
 /// So long the first picture may take.
 const FIRST: Duration = Duration::from_millis(50);
+
+/// So long it may take together with what is done to the scene before it.
+const WITH_EDIT: Duration = Duration::from_millis(80);
+
+/// But this much it gets in any case: few pixels are as good as none.
+const LEAST: Duration = Duration::from_millis(10);
 
 /// The lowest rung: a sixteenth of the width and height.
 const LOWEST: u32 = 16;
@@ -32,10 +38,12 @@ impl Ladder {
         self.rate = Some(self.rate.map_or(rate, |old| (old * rate).sqrt()));
     }
 
-    /// What the sides of a picture of `size` pixels are divided by in its first rendering.
-    pub(crate) fn first(&self, size: [u32; 2]) -> u32 {
+    /// What the sides of a picture of `size` pixels are divided by in its first rendering, when
+    /// `gone` of the time is over.
+    pub(crate) fn first(&self, size: [u32; 2], gone: Duration) -> u32 {
         let Some(rate) = self.rate else { return UNKNOWN };
-        let affordable = rate * FIRST.as_secs_f64();
+        let left = WITH_EDIT.saturating_sub(gone).clamp(LEAST, FIRST);
+        let affordable = rate * left.as_secs_f64();
         let pixels = |divisor: u32| {
             let [w, h] = reduced(size, divisor);
             f64::from(w) * f64::from(h)
@@ -62,17 +70,20 @@ mod tests {
     #[test]
     fn the_first_rung_is_affordable() {
         let mut ladder = Ladder::default();
-        assert_eq!(ladder.first([1280, 720]), UNKNOWN);
+        assert_eq!(ladder.first([1280, 720], Duration::ZERO), UNKNOWN);
         let second = Duration::from_secs(1);
         for (rate, expected) in
             [(100_000_000, 1), (8_000_000, 2), (1_500_000, 4), (400_000, 8), (100, LOWEST)]
         {
             ladder = Ladder::default();
             ladder.learn(rate, second);
-            assert_eq!(ladder.first([1280, 720]), expected, "{rate}");
+            assert_eq!(ladder.first([1280, 720], Duration::ZERO), expected, "{rate}");
         }
-        ladder.learn(1_000_000, second);
-        assert_eq!(ladder.first([1, 1]), 1);
+        // An edit that took all of the time leaves a fifth of it.
+        ladder = Ladder::default();
+        ladder.learn(8_000_000, second);
+        assert_eq!(ladder.first([1280, 720], Duration::from_millis(500)), 4);
+        assert_eq!(ladder.first([1, 1], Duration::ZERO), 1);
         assert_eq!(reduced([1, 7], 16), [1, 1]);
         assert_eq!(reduced([100, 101], 4), [25, 26]);
     }
@@ -85,8 +96,8 @@ mod tests {
         for _ in 0..6 {
             ladder.learn(100_000, Duration::from_secs(1));
         }
-        assert!(ladder.first([1280, 720]) >= 8);
+        assert!(ladder.first([1280, 720], Duration::ZERO) >= 8);
         ladder.learn(10, Duration::ZERO);
-        assert!(ladder.first([1280, 720]) <= LOWEST);
+        assert!(ladder.first([1280, 720], Duration::ZERO) <= LOWEST);
     }
 }

@@ -285,6 +285,8 @@ struct Worker {
     /// The last whole picture of this look, for the gaps of a finer one.
     coarse: Option<Arc<Image>>,
     beside: Option<(Arc<Image>, View, Arc<Developed>)>,
+    /// When the newest wish was heard.
+    heard: Instant,
     /// When the next picture may be shown.
     due: Instant,
     number: u64,
@@ -304,6 +306,7 @@ impl Worker {
             ladder: Ladder::default(),
             coarse: None,
             beside: None,
+            heard: Instant::now(),
             due: Instant::now(),
             number: 0,
             job: None,
@@ -388,6 +391,14 @@ impl Worker {
     /// Brings what is rendered in line with the wish.
     fn follow_wish(&mut self) {
         let Some(wish) = self.wish.clone() else { return };
+        self.heard = Instant::now();
+        if self.prepared.as_ref().is_some_and(|(_, before)| !same_light(before, &wish.look)) {
+            // An edit takes longer than all else before the next picture: all cores for it.
+            self.finish_first();
+            if let Some(running) = &mut self.running {
+                running.pause();
+            }
+        }
         match self.prepare(&wish.look) {
             Ok(()) => self.set_status(|status| status.problem = None),
             Err(problem) => self.set_status(|status| status.problem = Some(problem)),
@@ -465,10 +476,7 @@ impl Worker {
         look.settings.validate()?;
         let camera = look.camera.camera(look.settings.size)?;
         let Some(scene) = &mut self.scene else { return Ok(()) };
-        let same_light = before.environment == look.environment
-            && before.materials == look.materials
-            && before.lights == look.lights;
-        let next = if same_light {
+        let next = if same_light(before, look) {
             prepared.seen_by(&camera)?
         } else {
             scene.camera = camera;
@@ -486,7 +494,7 @@ impl Worker {
 
     /// Starts at the lowest rung that is needed.
     fn start(&mut self, look: &Arc<Look>, integrator: Option<IntegratorKind>) -> Option<Running> {
-        let divisor = self.ladder.first(look.settings.size);
+        let divisor = self.ladder.first(look.settings.size, self.heard.elapsed());
         self.start_rung(look, integrator, divisor, true)
     }
 
@@ -682,15 +690,17 @@ fn target(settings: &Settings, integrator: Option<IntegratorKind>, endless: bool
     }
 }
 
+/// Whether the light of two looks goes the same ways: they differ at most in the camera, and in how
+/// the picture is rendered and shown.
+fn same_light(a: &Look, b: &Look) -> bool {
+    a.environment == b.environment && a.materials == b.materials && a.lights == b.lights
+}
+
 /// Whether two looks differ at most in how the picture is shown.
 fn renders_same(a: &Look, b: &Look) -> bool {
-    let Look { camera, environment, materials, lights, settings, display: _ } = a;
+    let Look { camera, settings, .. } = a;
     let named = |c: &AuthoredCamera| AuthoredCamera { name: String::new(), ..c.clone() };
-    named(camera) == named(&b.camera)
-        && *settings == b.settings
-        && *environment == b.environment
-        && *lights == b.lights
-        && *materials == b.materials
+    named(camera) == named(&b.camera) && *settings == b.settings && same_light(a, b)
 }
 
 /// Locks. What is locked here is whole between statements.
