@@ -116,18 +116,18 @@ impl Pose {
     }
 
     /// Sees all of `bounds` from the side on which it is now, with a picture that shows
-    /// `half_angle` radians from its middle to its nearest edge. Nothing happens where there is
-    /// nothing to see.
-    pub fn fit(&mut self, bounds: &Aabb, half_angle: f64) {
+    /// `half_angle` radians from its middle to its nearest edge. Nothing happens, and it is false,
+    /// where there is nothing to see.
+    pub fn fit(&mut self, bounds: &Aabb, half_angle: f64) -> bool {
         let towards_eye = -self.axes().forward;
-        self.place(bounds, half_angle, towards_eye);
+        self.place(bounds, half_angle, towards_eye)
     }
 
-    /// Sees all of `bounds` along an axis.
-    pub fn look_along(&mut self, axis: Axis, bounds: &Aabb, half_angle: f64) {
+    /// As [`fit`](Self::fit), along an axis.
+    pub fn look_along(&mut self, axis: Axis, bounds: &Aabb, half_angle: f64) -> bool {
         let [towards_eye, up] = axis.directions();
         self.up = up.as_vec3();
-        self.place(bounds, half_angle, towards_eye);
+        self.place(bounds, half_angle, towards_eye)
     }
 
     /// How far away what is looked at is.
@@ -135,17 +135,18 @@ impl Pose {
         self.position.as_dvec3().distance(self.look_at.as_dvec3())
     }
 
-    fn place(&mut self, bounds: &Aabb, half_angle: f64, towards_eye: DVec3) {
+    fn place(&mut self, bounds: &Aabb, half_angle: f64, towards_eye: DVec3) -> bool {
         /// Air around it.
         const MARGIN: f64 = 1.05;
         if bounds.is_empty() || !(bounds.min.is_finite() && bounds.max.is_finite()) {
-            return;
+            return false;
         }
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let (center, radius) = (0.5 * (min + max), 0.5 * min.distance(max));
         let radius = if radius > 0.0 { radius } else { 1.0 };
         let sine = half_angle.clamp(1e-3, 1.5).sin();
         self.set(center + towards_eye * (MARGIN * radius / sine), center);
+        true
     }
 
     /// The way to what is looked at, after turning it to the left and up.
@@ -273,7 +274,7 @@ mod tests {
             }
         }
         let mut pose = START;
-        pose.fit(&Aabb::EMPTY, 0.5);
+        assert!(!pose.fit(&Aabb::EMPTY, 0.5));
         assert_eq!(pose, START);
     }
 
@@ -319,8 +320,8 @@ mod tests {
                 2 => pose.turn(a, b),
                 3 => pose.orbit(a, b),
                 4 => pose.dolly(a),
-                5 if step % 64 == 5 => pose.fit(&bounds, a),
-                6 if step % 64 == 6 => pose.look_along(Axis::ALL[step % 6].0, &bounds, b),
+                5 if step % 64 == 5 => _ = pose.fit(&bounds, a),
+                6 if step % 64 == 6 => _ = pose.look_along(Axis::ALL[step % 6].0, &bounds, b),
                 _ => pose.fly([c, a, b]),
             }
             let camera = Transform::look_at(pose.position, pose.look_at, pose.up);

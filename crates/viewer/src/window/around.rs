@@ -1,7 +1,7 @@
 //! What stands around the picture: the menu, the panels, the line below.
 
 use super::canvas::Tool;
-use super::input::{half_angle, pose_of, put_pose};
+use super::input::{pose_of, put_pose, see_all};
 use super::state::{Dialog, Window};
 use super::{panels, theme};
 use crate::live::{JobState, Status};
@@ -106,13 +106,12 @@ impl Window {
         }
         ui.separator();
         let mut pose = pose_of(look);
-        let half_angle = half_angle(look);
         if ui.button("See everything").clicked() {
-            pose.fit(&document.bounds, half_angle);
+            see_all(look, &mut pose, &document.bounds, None);
         }
         for (axis, name) in Axis::ALL {
             if ui.button(name).clicked() {
-                pose.look_along(axis, &document.bounds, half_angle);
+                see_all(look, &mut pose, &document.bounds, Some(axis));
             }
         }
         put_pose(look, pose);
@@ -160,7 +159,9 @@ impl Window {
                 self.picking = panels::camera(ui, &mut look.camera, self.picking);
                 panels::materials(ui, &mut look.materials, &mut self.filter);
                 panels::lights(ui, &mut look.lights, look.camera.look_at);
-                panels::environment(ui, &mut look.environment, &self.image_names);
+                if panels::environment(ui, &mut look.environment, &self.image_names) {
+                    self.dialog = Some(Dialog::Sky(self.folder()));
+                }
                 panels::render(ui, look);
                 self.notes(ui);
             });
@@ -253,7 +254,9 @@ impl Window {
             return format!("a first look, 1:{divisor}");
         }
         let of = if self.endless { String::new() } else { format!(" of {}", progress.target) };
-        let noise = self.shown.as_ref().and_then(|s| s.picture.noise);
+        // One sample tells nothing of how far it is off.
+        let noise = self.shown.as_ref().filter(|_| progress.samples > 1);
+        let noise = noise.and_then(|s| s.picture.noise);
         let noise = noise.map_or(String::new(), |n| format!(", noise {:.2} %", 100.0 * n));
         let state = match (self.paused, progress.finished) {
             (true, _) => ", paused",

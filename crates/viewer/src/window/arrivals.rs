@@ -9,8 +9,6 @@ use crate::picture::View;
 use crate::source::{Document, Opening};
 use crate::watch::Watch;
 use eframe::egui::{self, TextureOptions, ViewportCommand};
-use rutilant::light::{Environment, EnvironmentLight};
-use rutilant::scene::ImageId;
 use rutilant_formats::Look;
 use rutilant_formats::camera::FocusOn;
 use std::path::PathBuf;
@@ -59,7 +57,7 @@ impl Window {
                     self.message = Some(format!("wrote {}{hash_shown}", file.display()));
                     (self.report)(Happened::Wrote { file, hash });
                 }
-                Work::Sky { file, image } => self.use_sky(&file, image),
+                Work::Sky { file, image, like } => self.use_sky(&file, image, like),
                 Work::Beside(beside) => self.beside = Some(beside),
                 Work::Failed(what) => self.trouble(what),
             }
@@ -137,27 +135,27 @@ impl Window {
     pub(super) fn opened(&mut self, (mut stage, document): (Stage, Document), again: bool) {
         let theirs = document.look.clone();
         let before = self.document.as_ref().map(|d| d.look.clone());
-        let sky_is_mine = |look: &Look| {
-            let images = document.image_names.len() as u32;
-            matches!(look.environment, Some(Environment {
-                light: EnvironmentLight::Image { image: ImageId(id), .. }, ..
-            }) if id >= images)
-        };
         let mut look = match (again, &before, &self.history) {
             (true, Some(before), Some(history)) => merged(before, history.present(), &theirs),
             _ => theirs.clone(),
         };
-        // An image of the window's own is not there any more after the scene was read anew.
-        if sky_is_mine(&look) {
+        // The images are those of the file again: one that was added to them is read anew.
+        let unchanged = before.as_ref().is_some_and(|b| b.environment == theirs.environment);
+        let added_sky = self.added_sky().filter(|_| again && unchanged);
+        if added_sky.is_some() {
             look.environment = theirs.environment;
         }
+        // States of before fit the scene as long as images and materials have their numbers.
+        let names = |look: &Look| look.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+        let fits = self.image_names == document.image_names
+            && before.as_ref().is_some_and(|before| names(before) == names(&theirs));
         stage.scene.camera = match look.camera.camera(look.settings.size) {
             Ok(camera) => camera,
             Err(_) => stage.scene.camera,
         };
         self.trouble = None;
         (self.report)(Happened::Opened { name: document.name(&self.reading) });
-        let history = match self.history.take().filter(|_| again) {
+        let history = match self.history.take().filter(|_| again && fits) {
             Some(mut history) => {
                 history.change(look, None);
                 history
@@ -193,5 +191,8 @@ impl Window {
         self.live
             .stage(stage, Wish { look, view, paused: self.paused, endless: self.endless, beside });
         self.wished = None;
+        if let Some((file, sky)) = added_sky {
+            self.read_sky(file, sky);
+        }
     }
 }

@@ -36,6 +36,7 @@ impl Window {
                 let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 Work::Beside(Beside { name, image: Arc::new(image) })
             }),
+            Dialog::Sky(file) => self.read_sky(file.into(), self.new_sky()),
             Dialog::SaveScene(file) => self.save_scene(file.into()),
             Dialog::SaveImage(file) => {
                 if let Some(shown) = &self.shown {
@@ -91,6 +92,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
     let (title, go_on) = match dialog {
         Dialog::Open(_) => ("Open a scene or a mesh", "Open"),
         Dialog::Compare(_) => ("Compare with an image", "Compare"),
+        Dialog::Sky(_) => ("An image of the sky, in latitude and longitude", "Use"),
         Dialog::SaveScene(_) => ("Save the scene", "Save"),
         Dialog::SaveImage(_) => ("Save what is shown", "Save"),
         Dialog::Render { .. } => ("Render at full quality", "Render"),
@@ -98,13 +100,13 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
     };
     /// What can be opened.
     const SCENES: &[&str] = &["toml", "obj", "ply"];
-    /// What can be compared with.
+    /// What can be compared with, or be a sky.
     const IMAGES: &[&str] = &["exr", "hdr", "pfm", "png", "jpg", "jpeg"];
     ui.heading(title);
     let mut entered = false;
     let (extensions, writes) = match dialog {
         Dialog::Open(_) => (SCENES, false),
-        Dialog::Compare(_) => (IMAGES, false),
+        Dialog::Compare(_) | Dialog::Sky(_) => (IMAGES, false),
         Dialog::SaveScene(_) => (&["toml"][..], true),
         Dialog::SaveImage(_) | Dialog::Render { .. } => (IMAGES, true),
         Dialog::Discard(_) => (&[][..], false),
@@ -112,6 +114,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
     match dialog {
         Dialog::Open(file)
         | Dialog::Compare(file)
+        | Dialog::Sky(file)
         | Dialog::SaveScene(file)
         | Dialog::SaveImage(file)
         | Dialog::Render { file, .. } => {

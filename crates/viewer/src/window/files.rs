@@ -4,7 +4,7 @@ use super::state::{Dialog, Window, Work};
 use crate::source::text_of;
 use eframe::egui;
 use rutilant::image::Image;
-use rutilant::light::Environment;
+use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::ImageId;
 use rutilant_formats::image::{Format, Pixels, WriteOptions};
 use std::path::{Path, PathBuf};
@@ -14,10 +14,32 @@ impl Window {
     /// A scene or mesh is opened; any image becomes the sky.
     pub(super) fn dropped(&mut self, file: PathBuf) {
         if Format::from_path(&file).is_ok() {
-            self.read_image(file, |file, image| Work::Sky { file, image });
+            self.read_sky(file, self.new_sky());
         } else {
             self.open_if_saved(Some(file));
         }
+    }
+
+    /// A sky from an image, turned as the present one is.
+    pub(super) fn new_sky(&self) -> Environment {
+        let sky = self.history.as_ref().and_then(|history| history.present().environment);
+        let rotation = sky.map_or(0.0, |sky| sky.rotation);
+        Environment { rotation, ..Environment::image(ImageId(0)) }
+    }
+
+    /// Reads an image that is to be the sky as `like` says.
+    pub(super) fn read_sky(&self, file: PathBuf, like: Environment) {
+        self.read_image(file, move |file, image| Work::Sky { file, image, like });
+    }
+
+    /// The sky and its file, where it is an image that the scene does not have by itself.
+    pub(super) fn added_sky(&self) -> Option<(PathBuf, Environment)> {
+        let document = self.document.as_ref()?;
+        let sky = self.history.as_ref()?.present().environment?;
+        let EnvironmentLight::Image { image: ImageId(id), .. } = sky.light else { return None };
+        let id = id as usize;
+        let name = self.image_names.get(id).filter(|_| id >= document.image_names.len())?;
+        Some((Path::new(&self.folder()).join(name), sky))
     }
 
     pub(super) fn read_image(
@@ -42,7 +64,7 @@ impl Window {
         });
     }
 
-    pub(super) fn use_sky(&mut self, file: &Path, image: Image) {
+    pub(super) fn use_sky(&mut self, file: &Path, picture: Image, like: Environment) {
         let Some(document) = &self.document else { return };
         // Beside the scene it is named as the scene would name it.
         let folder = document.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
@@ -53,10 +75,15 @@ impl Window {
         let name = inside(file).unwrap_or_else(|| file.to_owned());
         let id = ImageId(self.image_names.len() as u32);
         self.image_names.push(name.to_string_lossy().replace('\\', "/"));
-        self.live.add_image(image);
+        self.live.add_image(picture);
         self.edit(|look| {
-            let rotation = look.environment.map_or(0.0, |sky| sky.rotation);
-            look.environment = Some(Environment { rotation, ..Environment::image(id) });
+            let light = match like.light {
+                EnvironmentLight::Image { projection, .. } => {
+                    EnvironmentLight::Image { image: id, projection }
+                }
+                EnvironmentLight::Constant(_) => like.light,
+            };
+            look.environment = Some(Environment { light, ..like });
         });
     }
 

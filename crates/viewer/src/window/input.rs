@@ -4,12 +4,12 @@ use super::canvas::{Laid, Tool};
 use super::report::Happened;
 use super::state::{After, Dialog, Window};
 use crate::keys::Action;
-use crate::pose::Pose;
+use crate::pose::{Axis, Pose};
 use eframe::egui::{self, Context, Event, Key, Ui, ViewportCommand};
 use rutilant::settings::Roulette;
 use rutilant_formats::Look;
 use rutilant_formats::camera::{AngleOfView, AuthoredCamera, CameraKind, FocusOn};
-use rutilant_geom::Vec2;
+use rutilant_geom::{Aabb, Vec2};
 
 impl Window {
     pub(super) fn hear_keys(&mut self, ui: &Ui, mut draft: Option<&mut Look>) {
@@ -131,7 +131,7 @@ impl Window {
             Action::Panels => self.panels = !self.panels,
             Action::FitAll => {
                 if let (Some(document), Some(pose), Some(look)) = (&self.document, pose, look) {
-                    pose.fit(&document.bounds, half_angle(look));
+                    see_all(look, pose, &document.bounds, None);
                 }
             }
             Action::Overlay => self.view.overlay = !self.view.overlay,
@@ -228,7 +228,12 @@ impl Window {
                 };
                 pose.pan(-right * visible, down * visible);
             } else if secondary {
-                let angle = 2.0 * vertical_half_angle(look);
+                let angle = match look.camera.kind {
+                    CameraKind::Equirectangular => std::f64::consts::PI,
+                    CameraKind::Perspective { .. } | CameraKind::Orthographic { .. } => {
+                        2.0 * vertical_half_angle(look)
+                    }
+                };
                 pose.turn(right * angle, down * angle);
             } else if primary {
                 pose.orbit(-right * std::f64::consts::PI, -down * std::f64::consts::PI);
@@ -281,8 +286,20 @@ pub(super) fn vertical_half_angle(look: &Look) -> f64 {
     }
 }
 
-/// Half of what is seen in the narrower direction, in radians.
-pub(super) fn half_angle(look: &Look) -> f64 {
+/// Sees all of `bounds`, along an axis or from the side on which the eye is now.
+pub(super) fn see_all(look: &mut Look, pose: &mut Pose, bounds: &Aabb, axis: Option<Axis>) {
     let [width, height] = look.settings.size.map(f64::from);
-    (vertical_half_angle(look).tan() * (width / height).min(1.0)).atan()
+    let narrower = (width / height).min(1.0);
+    let half_angle = (vertical_half_angle(look).tan() * narrower).atan();
+    let sees = match axis {
+        Some(axis) => pose.look_along(axis, bounds, half_angle),
+        None => pose.fit(bounds, half_angle),
+    };
+    if let CameraKind::Orthographic { height, .. } = &mut look.camera.kind
+        && sees
+    {
+        // As wide as the ball around it, which fills that angle seen from there.
+        let visible = 2.0 * pose.distance() * half_angle.sin() / narrower;
+        *height = visible.clamp(1e-6, 1e12) as f32;
+    }
 }

@@ -377,13 +377,22 @@ fn angle(ui: &mut Ui, label: &str, radians: &mut f32, range: std::ops::RangeIncl
 }
 
 /// The sky.
-pub(super) fn environment(ui: &mut Ui, environment: &mut Option<Environment>, names: &[String]) {
+/// The sky. Returns true where another image of one is to be chosen.
+pub(super) fn environment(
+    ui: &mut Ui,
+    environment: &mut Option<Environment>,
+    names: &[String],
+) -> bool {
+    let mut choose = false;
     section(ui, "Environment", false, |ui| {
         let Some(sky) = environment else {
             ui.weak("There is no sky. Drop an image of one onto the window, or");
-            if ui.button("Add an even sky").clicked() {
-                *environment = Some(Environment::constant(Rgb::grey(0.5)));
-            }
+            ui.horizontal(|ui| {
+                choose = ui.button("Choose an image…").clicked();
+                if ui.button("Add an even sky").clicked() {
+                    *environment = Some(Environment::constant(Rgb::grey(0.5)));
+                }
+            });
             return;
         };
         match &mut sky.light {
@@ -396,10 +405,14 @@ pub(super) fn environment(ui: &mut Ui, environment: &mut Option<Environment>, na
             }
         }
         number(ui, "Scale", &mut sky.scale, 0.0..=1000.0, true);
-        if ui.button("Remove the sky").clicked() {
-            *environment = None;
-        }
+        ui.horizontal(|ui| {
+            choose = ui.button("Choose an image…").clicked();
+            if ui.button("Remove the sky").clicked() {
+                *environment = None;
+            }
+        });
     });
+    choose
 }
 
 /// How the picture is rendered.

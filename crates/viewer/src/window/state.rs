@@ -15,6 +15,7 @@ use crate::source::{Document, Opening, Reading};
 use crate::watch::Watch;
 use eframe::egui::{Context, TextureHandle, Ui};
 use rutilant::image::Image;
+use rutilant::light::Environment;
 use rutilant_formats::Look;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -86,6 +87,7 @@ pub(crate) struct Window {
 pub(super) enum Dialog {
     Open(String),
     Compare(String),
+    Sky(String),
     SaveScene(String),
     SaveImage(String),
     Render { file: String, spp: u64, size: [u32; 2] },
@@ -101,8 +103,17 @@ pub(super) enum After {
 
 /// Files that are read or written beside the interface.
 pub(super) enum Work {
-    Wrote { file: PathBuf, hash: Option<String>, saved: Option<Arc<Look>> },
-    Sky { file: PathBuf, image: Image },
+    Wrote {
+        file: PathBuf,
+        hash: Option<String>,
+        saved: Option<Arc<Look>>,
+    },
+    /// An image of a sky, to be used as the sky `like` is.
+    Sky {
+        file: PathBuf,
+        image: Image,
+        like: Environment,
+    },
     Beside(Beside),
     Failed(String),
 }

@@ -6,15 +6,18 @@ use crate::keys::Action;
 use crate::picture::{Channel, View};
 use crate::source::{BuiltIn, Reading};
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Key, Modifiers, Ui, pos2, vec2};
+use eframe::egui::{DroppedFile, Key, Modifiers, Ui, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant::{Prepared, Session};
 use rutilant_formats::Look;
+use rutilant_formats::camera::CameraKind;
+use rutilant_formats::image::WriteOptions;
 use rutilant_formats::{Limits, ReadOptions, read_scene};
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
@@ -140,6 +143,11 @@ impl Desk {
     }
 
     /// Lets go of everything, mends the file and waits until all is done.
+    fn drop_file(&mut self, file: PathBuf) {
+        self.harness.input_mut().dropped_files.push(Arc::new(Dropped(file)));
+        self.harness.step();
+    }
+
     fn rest(&mut self, keys: &[Key]) {
         keys.iter().for_each(|key| self.harness.key_up(*key));
         self.harness.drop_at(pos2(1.0, 1.0));
@@ -405,6 +413,106 @@ fn keys_can_be_changed() {
     assert_eq!(desk.look().camera, before.camera);
     desk.press(Key::N);
     assert_ne!(desk.look().camera, before.camera);
+}
+
+/// A file that is dropped onto the window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+/// An image that is dropped onto the window becomes the sky, is saved with the scene, and stays
+/// when the scene's file changes; a scene is opened.
+#[test]
+fn what_is_dropped_is_shown() {
+    let mut desk = Desk::new();
+    let sky = desk.folder.path().join("my sky.pfm");
+    let pixels = [[0.1, 0.2, 0.9], [3.0, 2.0, 1.0], [0.0, 0.5, 0.0], [0.3, 0.3, 0.3]];
+    let image = Image::from_rgb(4, 1, &pixels).unwrap();
+    rutilant_formats::image::write(&sky, &image, &WriteOptions::default()).unwrap();
+    desk.drop_file(sky);
+    desk.until("the sky", |w| w.added_sky().is_some());
+    desk.settle();
+    let before = desk.hash();
+
+    // Turned, and then the file changes.
+    desk.window_mut().edit(|look| look.environment.as_mut().unwrap().rotation = 0.5);
+    desk.settle();
+    assert_ne!(desk.hash(), before);
+    std::fs::write(desk.file(), SCENE.replace("albedo = 0.6", "albedo = 0.1")).unwrap();
+    desk.until("the changed file", |w| {
+        let opened = w.document.as_ref().and_then(|d| d.text.as_ref());
+        opened.is_some_and(|text| text.contains("0.1")) && w.added_sky().is_some()
+    });
+    desk.settle();
+    assert_eq!(desk.look().environment.unwrap().rotation, 0.5);
+    let hash = desk.hash();
+
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("a saved file", |w| !w.is_changed());
+    let loaded = read_scene(&desk.file(), &ReadOptions::default()).unwrap();
+    assert_eq!(headless(loaded.scene.clone(), &loaded.look()), hash);
+
+    let other = desk.folder.path().join("other.toml");
+    std::fs::write(&other, SCENE).unwrap();
+    desk.drop_file(other);
+    desk.until("the other scene", |w| {
+        w.document.as_ref().and_then(|d| d.file.as_ref()).is_some_and(|f| f.ends_with("other.toml"))
+    });
+    let nothing = desk.folder.path().join("none.exr");
+    desk.drop_file(nothing);
+    desk.until("the error", |w| w.trouble.as_ref().is_some_and(|t| t.contains("none.exr")));
+}
+
+/// States of before a reload are gone where materials or images have other numbers since.
+#[test]
+fn undo_leads_to_what_fits_the_file() {
+    let mut desk = Desk::new();
+    desk.window_mut().edit(|look| look.display.exposure = 1.0);
+    let opened = |text: &str| {
+        let text = text.to_owned();
+        move |w: &Window| w.document.as_ref().is_some_and(|d| d.text.as_ref() == Some(&text))
+    };
+    let other = SCENE.replace("albedo = 0.6", "albedo = 0.1");
+    std::fs::write(desk.file(), &other).unwrap();
+    desk.until("the changed file", opened(&other));
+    assert!(desk.window().history.as_ref().unwrap().can_undo());
+
+    let more = format!("{SCENE}\n[[material]]\nname = \"more\"\ntype = \"black\"\n");
+    std::fs::write(desk.file(), &more).unwrap();
+    desk.until("the longer file", opened(&more));
+    assert!(!desk.window().history.as_ref().unwrap().can_undo());
+    assert_eq!(desk.look().display.exposure, 1.0);
+}
+
+/// Everything is seen by a camera without perspective as well: its picture gets high enough.
+#[test]
+fn a_plan_shows_everything() {
+    let mut desk = Desk::new();
+    desk.window_mut().edit(|look| {
+        let lens = look.camera.kind.lens_mut().cloned().unwrap();
+        look.camera.kind = CameraKind::Orthographic { height: 0.1, lens };
+    });
+    for _ in 0..2 {
+        desk.press(Key::Home);
+        desk.settle();
+        let CameraKind::Orthographic { height, .. } = desk.look().camera.kind else { panic!() };
+        // The floor's diagonal, and a little air.
+        assert!((8.4..9.4).contains(&height), "{height}");
+        desk.window_mut().edit(|look| {
+            if let CameraKind::Orthographic { height, .. } = &mut look.camera.kind {
+                *height = 3.0;
+            }
+        });
+    }
 }
 
 /// Random edits, moves, resizes, good and broken files, in any order: nothing panics, and what is
