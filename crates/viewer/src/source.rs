@@ -191,8 +191,17 @@ fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, Loade
     Ok((text, loaded))
 }
 
+/// How a scene in `folder` names a file: by the way from there, where it lies within.
+pub(crate) fn named_from(folder: &Path, file: &Path) -> String {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let file = whole(file);
+    let within = file.strip_prefix(whole(folder)).unwrap_or(&file);
+    within.to_string_lossy().replace('\\', "/")
+}
+
 /// The text of the scene as it looks now, to be written to `to`; `image_names` are those of all
-/// images by number.
+/// images by number, as the scene names them where it is now.
 pub(crate) fn text_of(
     document: &Document,
     look: &Look,
@@ -211,9 +220,16 @@ pub(crate) fn text_of(
     // What the window was opened with is no part of the scene.
     let mut look = look.clone();
     look.settings.planned_spp = None;
+    // Images that were added are seen from another folder, perhaps.
+    let folder_of = |file: &Path| file.parent().unwrap_or(Path::new("")).to_owned();
+    let here = document.file.as_deref().map(folder_of).unwrap_or_default();
+    let (own, added) = image_names.split_at(document.image_names.len().min(image_names.len()));
+    let added = added.iter().map(|name| named_from(&folder_of(to), &here.join(name)));
+    let image_names: Vec<String> = own.iter().cloned().chain(added).collect();
+    let image_names = &*image_names;
     match (&document.text, &document.file) {
         (Some(text), file) => {
-            let file = file.as_deref().unwrap_or(Path::new(reading.built_in.file));
+            let file = file.as_deref().unwrap_or(to);
             let before = parse_native(text, file, &options).map_err(error)?;
             rutilant_formats::rewrite(text, file, &options, &before, &look, image_names)
                 .map_err(error)

@@ -51,6 +51,10 @@ impl Window {
                 Work::Wrote { file, hash, saved } => {
                     if let Some(look) = saved {
                         self.saved = Some(look);
+                        // From now on it is this file that is shown.
+                        if self.document.as_ref().is_some_and(|d| d.file.as_ref() != Some(&file)) {
+                            self.open(Some(file.clone()), true);
+                        }
                     }
                     let hash_shown = hash.as_ref().map(|h| format!(", hash {h}"));
                     let hash_shown = hash_shown.unwrap_or_default();
@@ -169,7 +173,9 @@ impl Window {
         self.watch = Some(Watch::begin(watched, move |after| {
             wake.request_repaint_after(after + Duration::from_millis(10));
         }));
-        if let Some(file) = document.file.as_deref().filter(|_| !again) {
+        let file_before = self.document.as_ref().and_then(|d| d.file.as_ref());
+        let another = document.file.as_ref() != file_before;
+        if let Some(file) = document.file.as_deref().filter(|_| another || !again) {
             self.preferences.opened(file);
             self.keep_preferences();
         }

@@ -1,7 +1,7 @@
 //! What is read from files and written into them, beside the interface.
 
 use super::state::{Dialog, Window, Work};
-use crate::source::text_of;
+use crate::source::{named_from, text_of};
 use eframe::egui;
 use rutilant::image::Image;
 use rutilant::light::{Environment, EnvironmentLight};
@@ -66,15 +66,9 @@ impl Window {
 
     pub(super) fn use_sky(&mut self, file: &Path, picture: Image, like: Environment) {
         let Some(document) = &self.document else { return };
-        // Beside the scene it is named as the scene would name it.
         let folder = document.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let inside = |file: &Path| {
-            let (file, folder) = (file.canonicalize().ok()?, folder.canonicalize().ok()?);
-            file.strip_prefix(folder).map(Path::to_owned).ok()
-        };
-        let name = inside(file).unwrap_or_else(|| file.to_owned());
         let id = ImageId(self.image_names.len() as u32);
-        self.image_names.push(name.to_string_lossy().replace('\\', "/"));
+        self.image_names.push(named_from(folder, file));
         self.live.add_image(picture);
         self.edit(|look| {
             let light = match like.light {
@@ -120,10 +114,17 @@ impl Window {
         // Its text is made here: the document does not change meanwhile.
         let look = Arc::clone(history.present());
         match text_of(document, &look, &self.image_names, &to, &self.reading) {
-            Ok(text) => self.beside_the_interface(move || match replace(&to, &text) {
-                Ok(()) => Work::Wrote { file: to, hash: None, saved: Some(look) },
-                Err(error) => Work::Failed(format!("{}: {error}", to.display())),
-            }),
+            Ok(text) => {
+                // The built-in scene takes along the images that it uses.
+                let images =
+                    if document.file.is_none() { self.reading.built_in.images } else { &[] };
+                let used = images.iter().filter(|(name, _)| text.contains(&format!("{name:?}")));
+                let used: Vec<_> = used.collect();
+                self.beside_the_interface(move || match write_scene(&to, &text, &used) {
+                    Ok(()) => Work::Wrote { file: to, hash: None, saved: Some(look) },
+                    Err(what) => Work::Failed(what),
+                });
+            }
             Err(what) => self.trouble(what),
         }
     }
@@ -160,11 +161,25 @@ impl Window {
     }
 }
 
-/// Writes a text in place of a file's, as a whole or not at all.
-pub(super) fn replace(file: &Path, text: &str) -> std::io::Result<()> {
+/// Writes a scene, and those of its images that are not there yet, by their names.
+fn write_scene(file: &Path, text: &str, images: &[&(&str, &[u8])]) -> Result<(), String> {
+    let failed = |file: &Path, error: std::io::Error| format!("{}: {error}", file.display());
+    replace(file, text.as_bytes()).map_err(|error| failed(file, error))?;
+    for (name, bytes) in images {
+        let image = file.with_file_name(name);
+        if !image.exists() {
+            let folder = image.parent().map_or(Ok(()), std::fs::create_dir_all);
+            folder.and_then(|()| replace(&image, bytes)).map_err(|error| failed(&image, error))?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes a file in place of what is there, as a whole or not at all.
+fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut new = tempfile::NamedTempFile::new_in(folder)?;
-    std::io::Write::write_all(&mut new, text.as_bytes())?;
+    std::io::Write::write_all(&mut new, bytes)?;
     if let Ok(metadata) = std::fs::metadata(file) {
         new.as_file().set_permissions(metadata.permissions())?;
     }

@@ -57,6 +57,9 @@ center = [0, 0.5, 0]
 material = "ball"
 "#;
 
+/// What the built-in scene has in its place of an even sky.
+const SKY: &str = "image = \"skies/grey.pfm\"";
+
 /// A window on a scene in a folder of its own.
 struct Desk {
     folder: tempfile::TempDir,
@@ -74,7 +77,11 @@ impl Desk {
         let frame = move |ui: &mut Ui, window: &mut Option<Window>| {
             let window = window.get_or_insert_with(|| {
                 let reading = Reading {
-                    built_in: BuiltIn { file: "built-in.toml", text: SCENE, images: &[] },
+                    built_in: BuiltIn {
+                        file: "built-in.toml",
+                        text: SCENE.replace("color = [0.6, 0.7, 0.9]", SKY).leak(),
+                        images: &[("skies/grey.pfm", b"Pf 1 1 -1\n\0\0\x80\x3f")],
+                    },
                     limits: Limits::default(),
                     allow_outside: false,
                     camera: None,
@@ -470,6 +477,43 @@ fn what_is_dropped_is_shown() {
     let nothing = desk.folder.path().join("none.exr");
     desk.drop_file(nothing);
     desk.until("the error", |w| w.trouble.as_ref().is_some_and(|t| t.contains("none.exr")));
+}
+
+/// The built-in scene is saved with its own sky, and with another, as a scene that can be read.
+#[test]
+fn the_built_in_scene_is_saved_with_its_sky() {
+    let mut desk = Desk::new();
+    desk.window_mut().open(None, false);
+    desk.until("the built-in scene", |w| w.document.as_ref().is_some_and(|d| d.file.is_none()));
+    desk.settle();
+    let file = desk.folder.path().join("built-in.toml");
+    desk.window_mut().answered(Dialog::SaveScene(file.display().to_string()));
+    let shown = file.clone();
+    desk.until("the new file", move |w| w.document.as_ref().unwrap().file == Some(shown.clone()));
+    assert!(desk.folder.path().join("skies/grey.pfm").exists());
+    let loaded = read_scene(&file, &ReadOptions::default()).unwrap();
+    assert_eq!(headless(loaded.scene.clone(), &loaded.look()), desk.hash());
+
+    desk.window_mut().open(None, false);
+    desk.until("the built-in scene", |w| w.document.as_ref().is_some_and(|d| d.file.is_none()));
+    let sky = desk.folder.path().join("sky.pfm");
+    let image = Image::from_rgb(2, 1, &[[0.1, 0.2, 0.9], [3.0, 2.0, 1.0]]).unwrap();
+    rutilant_formats::image::write(&sky, &image, &WriteOptions::default()).unwrap();
+    desk.drop_file(sky);
+    desk.until("the sky", |w| w.added_sky().is_some());
+    desk.settle();
+    let file = desk.folder.path().join("mine.toml");
+    desk.window_mut().answered(Dialog::SaveScene(file.display().to_string()));
+    desk.until("a saved file", |w| !w.is_changed() || w.trouble.is_some());
+    assert_eq!(desk.window().trouble, None);
+    let loaded = read_scene(&file, &ReadOptions::default()).unwrap();
+    assert_eq!(headless(loaded.scene.clone(), &loaded.look()), desk.hash());
+
+    // From then on the window shows that file.
+    let shown = file.clone();
+    desk.until("the new file", move |w| w.document.as_ref().unwrap().file == Some(shown.clone()));
+    desk.settle();
+    assert_eq!(headless(loaded.scene.clone(), &loaded.look()), desk.hash());
 }
 
 /// States of before a reload are gone where materials or images have other numbers since.
