@@ -17,28 +17,50 @@ const QUIET: Duration = Duration::from_millis(120);
 pub(crate) struct Watch {
     /// Ends with this.
     _watcher: Option<RecommendedWatcher>,
-    last: Arc<Mutex<Option<Instant>>>,
+    changes: Arc<Mutex<Changes>>,
+}
+
+/// What has changed since it was asked last.
+#[derive(Default)]
+struct Changes {
+    files: BTreeSet<PathBuf>,
+    last: Option<Instant>,
+}
+
+/// What became of the files.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Changed {
+    /// Nothing has changed.
+    Nothing,
+    /// Something has; it will have been quiet after this time, if nothing more happens.
+    Soon(Duration),
+    /// These have, and it is quiet.
+    Files(BTreeSet<PathBuf>),
 }
 
 impl Watch {
-    /// Of `files`; `wake` is called after each change, when it has been quiet for a moment.
+    /// Of `files`; `wake` is called at each change.
     pub(crate) fn begin(
         files: impl IntoIterator<Item = PathBuf>,
-        wake: impl Fn(Duration) + Send + 'static,
+        wake: impl Fn() + Send + 'static,
     ) -> Self {
         let files = files.into_iter().filter_map(|file| file.canonicalize().ok());
         let files: BTreeSet<PathBuf> = files.collect();
         let folders: BTreeSet<PathBuf> =
             files.iter().filter_map(|file| file.parent().map(Path::to_owned)).collect();
-        let last = Arc::new(Mutex::new(None));
-        let theirs = Arc::clone(&last);
+        let changes = Arc::new(Mutex::new(Changes::default()));
+        let theirs = Arc::clone(&changes);
         let heard = move |event: notify::Result<notify::Event>| {
             let Ok(event) = event else { return };
-            let changes = !matches!(event.kind, notify::EventKind::Access(_));
-            if changes && event.paths.iter().any(|path| files.contains(path)) {
-                *theirs.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
-                wake(QUIET);
+            let touched: Vec<_> = event.paths.iter().filter(|path| files.contains(*path)).collect();
+            if touched.is_empty() || matches!(event.kind, notify::EventKind::Access(_)) {
+                return;
             }
+            let mut changes = theirs.lock().unwrap_or_else(PoisonError::into_inner);
+            changes.files.extend(touched.into_iter().cloned());
+            changes.last = Some(Instant::now());
+            drop(changes);
+            wake();
         };
         let mut watcher = notify::recommended_watcher(heard).ok();
         if let Some(watcher) = &mut watcher {
@@ -47,13 +69,17 @@ impl Watch {
                 drop(watcher.watch(&folder, RecursiveMode::NonRecursive));
             }
         }
-        Self { _watcher: watcher, last }
+        Self { _watcher: watcher, changes }
     }
 
-    /// Whether something has changed since this was asked last, and it has been quiet since.
-    pub(crate) fn has_changed(&self) -> bool {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.take_if(|since| since.elapsed() >= QUIET).is_some()
+    /// What has changed since files were told last.
+    pub(crate) fn changed(&self) -> Changed {
+        let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(last) = changes.last else { return Changed::Nothing };
+        match QUIET.checked_sub(last.elapsed()) {
+            Some(left) if !left.is_zero() => Changed::Soon(left),
+            _ => Changed::Files(std::mem::take(&mut *changes).files),
+        }
     }
 }
 
@@ -68,11 +94,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.toml");
         std::fs::write(&file, "1").unwrap();
-        let watch = Watch::begin([file.clone()], |_| {});
+        let watch = Watch::begin([file.clone()], || {});
+        let here = BTreeSet::from([file.canonicalize().unwrap()]);
         let changed = || {
             (0..300).any(|_| {
                 std::thread::sleep(Duration::from_millis(10));
-                watch.has_changed()
+                watch.changed() == Changed::Files(here.clone())
             })
         };
         std::fs::write(&file, "2").unwrap();
@@ -80,7 +107,7 @@ mod tests {
         let new = folder.path().join("a.toml~");
         std::fs::write(&new, "3").unwrap();
         std::thread::sleep(3 * QUIET);
-        assert!(!watch.has_changed());
+        assert_eq!(watch.changed(), Changed::Nothing);
         std::fs::rename(&new, &file).unwrap();
         assert!(changed());
     }

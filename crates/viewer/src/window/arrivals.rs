@@ -7,11 +7,12 @@ use crate::live::{JobState, Stage, Wish};
 use crate::merge::merged;
 use crate::picture::View;
 use crate::source::{Document, Opening};
-use crate::watch::Watch;
+use crate::watch::{Changed, Watch};
 use eframe::egui::{self, TextureOptions, ViewportCommand};
 use rutilant_formats::Look;
 use rutilant_formats::camera::FocusOn;
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -42,19 +43,19 @@ impl Window {
                 Err(what) => self.trouble(what),
             }
         }
-        if self.opening.is_none() && self.watch.as_ref().is_some_and(Watch::has_changed) {
-            let file = self.document.as_ref().and_then(|d| d.file.clone());
-            self.open(file, true);
+        match self.watch.as_ref().filter(|_| self.opening.is_none()).map(Watch::changed) {
+            Some(Changed::Soon(left)) => self.context.request_repaint_after(left),
+            Some(Changed::Files(files)) if self.trouble.is_some() || !self.wrote_only(&files) => {
+                let file = self.document.as_ref().and_then(|d| d.file.clone());
+                self.open(file, true);
+            }
+            Some(Changed::Files(_) | Changed::Nothing) | None => {}
         }
         while let Ok(work) = self.work.1.try_recv() {
             match work {
                 Work::Wrote { file, hash, saved } => {
-                    if let Some(look) = saved {
-                        self.saved = Some(look);
-                        // From now on it is this file that is shown.
-                        if self.document.as_ref().is_some_and(|d| d.file.as_ref() != Some(&file)) {
-                            self.open(Some(file.clone()), true);
-                        }
+                    if let Some((look, text)) = saved {
+                        self.saved_as(&file, &look, text);
                     }
                     let hash_shown = hash.as_ref().map(|h| format!(", hash {h}"));
                     let hash_shown = hash_shown.unwrap_or_default();
@@ -82,6 +83,34 @@ impl Window {
         }
         self.receive_job();
         self.receive_picture();
+    }
+
+    /// A scene was written: from now on it is this file that is shown.
+    fn saved_as(&mut self, file: &Path, look: &Arc<Look>, text: String) {
+        self.saved = Some(Arc::clone(look));
+        let Some(document) = &mut self.document else { return };
+        if document.file.as_deref() == Some(file) && self.image_names == document.image_names {
+            // What is rendered goes on.
+            let mut cameras = document.cameras.iter_mut();
+            if let Some(camera) = cameras.find(|camera| camera.name == look.camera.name) {
+                camera.clone_from(&look.camera);
+            }
+            document.look = Look::clone(look);
+            document.text = Some(text);
+        } else {
+            self.open(Some(file.to_owned()), true);
+        }
+    }
+
+    /// Whether of these files only the scene's own has changed, and it says what was read or written
+    /// last.
+    fn wrote_only(&self, files: &BTreeSet<PathBuf>) -> bool {
+        let own = self.document.as_ref().and_then(|d| Some((d.file.as_ref()?, d.text.as_ref()?)));
+        own.is_some_and(|(file, text)| {
+            let own = file.canonicalize().ok();
+            files.iter().all(|changed| Some(changed) == own.as_ref())
+                && std::fs::read_to_string(file).is_ok_and(|now| now == *text)
+        })
     }
 
     pub(super) fn receive_job(&mut self) {
@@ -170,9 +199,7 @@ impl Window {
         self.image_names.clone_from(&document.image_names);
         let wake = self.context.clone();
         let watched = document.file.iter().chain(&document.files).cloned();
-        self.watch = Some(Watch::begin(watched, move |after| {
-            wake.request_repaint_after(after + Duration::from_millis(10));
-        }));
+        self.watch = Some(Watch::begin(watched, move || wake.request_repaint()));
         let file_before = self.document.as_ref().and_then(|d| d.file.as_ref());
         let another = document.file.as_ref() != file_before;
         if let Some(file) = document.file.as_deref().filter(|_| another || !again) {

@@ -121,7 +121,7 @@ impl Window {
                 let used = images.iter().filter(|(name, _)| text.contains(&format!("{name:?}")));
                 let used: Vec<_> = used.collect();
                 self.beside_the_interface(move || match write_scene(&to, &text, &used) {
-                    Ok(()) => Work::Wrote { file: to, hash: None, saved: Some(look) },
+                    Ok(()) => Work::Wrote { file: to, hash: None, saved: Some((look, text)) },
                     Err(what) => Work::Failed(what),
                 });
             }

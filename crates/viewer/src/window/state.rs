@@ -103,10 +103,11 @@ pub(super) enum After {
 
 /// Files that are read or written beside the interface.
 pub(super) enum Work {
+    /// Written; a scene with its look and its text.
     Wrote {
         file: PathBuf,
         hash: Option<String>,
-        saved: Option<Arc<Look>>,
+        saved: Option<(Arc<Look>, String)>,
     },
     /// An image of a sky, to be used as the sky `like` is.
     Sky {

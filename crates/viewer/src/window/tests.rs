@@ -283,6 +283,16 @@ fn edits_are_undone_and_saved() {
     desk.until("a saved file", |w| !w.is_changed());
     let text = std::fs::read_to_string(desk.file()).unwrap();
     assert!(text.contains("# a comment that stays") && text.contains("# grey"), "{text}");
+
+    // What was saved is not read again: the picture goes on.
+    let opened = |desk: &Desk| {
+        desk.happened.borrow().iter().filter(|h| matches!(h, Happened::Opened { .. })).count()
+    };
+    for _ in 0..100 {
+        desk.harness.step();
+        std::thread::sleep(Duration::from_millis(4));
+    }
+    assert_eq!((opened(&desk), desk.hash()), (1, edited));
     let loaded = read_scene(&desk.file(), &ReadOptions::default()).unwrap();
     assert_eq!(headless(loaded.scene.clone(), &loaded.look()), edited);
 }
@@ -310,6 +320,13 @@ fn broken_files_keep_the_last_good_scene() {
     assert_eq!(desk.look().camera, camera);
     assert_ne!(desk.hash(), before);
     assert_eq!(desk.hash(), desk.headless());
+
+    // Broken, and then the very text of before.
+    let good = std::fs::read_to_string(desk.file()).unwrap();
+    std::fs::write(desk.file(), "version = 1\n[camera").unwrap();
+    desk.until("the error", |w| w.trouble.is_some());
+    std::fs::write(desk.file(), good).unwrap();
+    desk.until("the mended scene", |w| w.trouble.is_none());
 }
 
 /// The first scene cannot be read: the window says so, and opens another.
@@ -542,7 +559,7 @@ fn undo_leads_to_what_fits_the_file() {
 fn a_plan_shows_everything() {
     let mut desk = Desk::new();
     desk.window_mut().edit(|look| {
-        let lens = look.camera.kind.lens_mut().cloned().unwrap();
+        let lens = look.camera.kind.lens_mut().copied().unwrap();
         look.camera.kind = CameraKind::Orthographic { height: 0.1, lens };
     });
     for _ in 0..2 {
