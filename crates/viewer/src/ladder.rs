@@ -3,8 +3,9 @@
 //! A sample for every pixel of a large picture takes longer than one likes to
 //! wait. So the first picture has fewer pixels: as many as are done within a
 //! twentieth of a second, or in less where an edit of the scene took some of
-//! it, as far as one can tell from what came before. Each rung has twice the width and height of the one below, up to the picture
-//! itself, which then gathers samples.
+//! it, as far as one can tell from what came before. Each rung has twice the
+//! width and height of the one below, up to the picture itself, which then
+//! gathers samples.
 
 use std::time::Duration;
 

@@ -68,7 +68,7 @@ impl Window {
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
         } else if self.document.is_none() && self.trouble.is_none() {
             let font = egui::FontId::proportional(18.0);
-            let text = "Drop a scene, a mesh or a sky here";
+            let text = "Drop a scene or a mesh here";
             ui.painter().text(middle, Align2::CENTER_CENTER, text, font, Color32::from_gray(150));
         }
         if let Some(trouble) = self.trouble.clone() {

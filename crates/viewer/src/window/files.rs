@@ -65,7 +65,10 @@ impl Window {
     }
 
     pub(super) fn use_sky(&mut self, file: &Path, picture: Image, like: Environment) {
-        let Some(document) = &self.document else { return };
+        let Some(document) = &self.document else {
+            self.message = Some("a sky needs a scene below it: open one first".into());
+            return;
+        };
         let folder = document.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let id = ImageId(self.image_names.len() as u32);
         self.image_names.push(named_from(folder, file));

@@ -4,6 +4,7 @@
 //! it wants to see and shows what comes. Each frame it takes a draft of the
 //! scene's look, lets keys, mouse and panels change it, and hands it on where
 //! it has become another.
+
 mod around;
 mod arrivals;
 mod canvas;
