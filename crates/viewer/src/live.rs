@@ -168,6 +168,7 @@ impl Live {
     pub(crate) fn stage(&self, stage: Stage, wish: Wish) {
         self.tell(|inbox| {
             inbox.images.clear();
+            (inbox.job, inbox.focus) = (None, None);
             inbox.stage = Some(Box::new(stage));
             inbox.wish = Some(wish);
         });
@@ -260,13 +261,32 @@ impl Running {
     }
 
     fn pause(&mut self) {
+        self.rest();
+        self.session.cancel();
+    }
+
+    /// Stops the clock: it has ended by itself.
+    fn rest(&mut self) {
         self.spent = self.spent();
         self.since = None;
-        self.session.cancel();
     }
 
     fn is_full(&self) -> bool {
         self.divisor == 1
+    }
+}
+
+/// A whole picture with fewer pixels.
+struct Coarse {
+    look: Arc<Look>,
+    integrator: Option<IntegratorKind>,
+    image: Arc<Image>,
+}
+
+impl Coarse {
+    /// Whether it shows what this rendering will show.
+    fn stands_in_for(&self, running: &Running) -> bool {
+        self.integrator == running.integrator && renders_same(&self.look, &running.look)
     }
 }
 
@@ -282,8 +302,8 @@ struct Worker {
     /// The full picture, while something else of the same look is shown.
     parked: Option<Running>,
     ladder: Ladder,
-    /// The last whole picture of this look, for the gaps of a finer one.
-    coarse: Option<Arc<Image>>,
+    /// The last whole picture below the full one, for the gaps of finer ones.
+    coarse: Option<Coarse>,
     beside: Option<(Arc<Image>, View, Arc<Developed>)>,
     /// When the newest wish was heard.
     heard: Instant,
@@ -318,11 +338,8 @@ impl Worker {
             let idle = self.is_idle();
             let Some(inbox) = self.hear(idle) else { return };
             self.take(inbox);
-            if self.job.is_some() {
-                self.go_on_with_job();
-            } else {
-                self.go_on();
-            }
+            self.go_on_with_job();
+            self.go_on();
         }
     }
 
@@ -330,8 +347,7 @@ impl Worker {
     fn is_idle(&self) -> bool {
         let done = |r: &Running| {
             let progress = r.session.progress();
-            r.since.is_none()
-                || (r.is_full() && progress.finished && r.shown == Some(progress.paths))
+            r.is_full() && progress.finished && r.shown == Some(progress.paths)
         };
         self.job.is_none() && self.running.as_ref().is_none_or(done)
     }
@@ -362,7 +378,8 @@ impl Worker {
         let Inbox { stage, wish, images, job, stop_job, focus, quit: _ } = inbox;
         if let Some(stage) = stage {
             let Stage { scene, prepared, look } = *stage;
-            (self.running, self.parked, self.coarse, self.job) = (None, None, None, None);
+            // A picture for a file goes on: it has the scene that it was asked for.
+            (self.running, self.parked, self.coarse) = (None, None, None);
             self.scene = Some(scene);
             self.prepared = Some((prepared, look));
             // Another scene is as fast as nobody knows.
@@ -374,6 +391,8 @@ impl Worker {
         if stop_job {
             self.job = None;
             *locked(&self.shared.job) = None;
+            self.steer();
+            (self.shared.wake)();
         }
         if let Some(wish) = wish {
             self.wish = Some(wish);
@@ -419,9 +438,6 @@ impl Worker {
                 before.pause();
                 self.parked = Some(before);
             }
-            if self.coarse.is_some() && self.parked.is_none() {
-                self.coarse = None;
-            }
             self.running = match self.parked.take_if(|r| fits(r)) {
                 Some(mut parked) => {
                     parked.shown = None;
@@ -431,7 +447,7 @@ impl Worker {
             };
             self.due = Instant::now();
         }
-        self.steer(&wish);
+        self.steer();
         self.due = Instant::now();
         if let Some(running) = &mut self.running {
             // Exposure, marks, the picture beside it: shown at once.
@@ -441,30 +457,32 @@ impl Worker {
     }
 
     /// Pauses, goes on, or changes how far it goes.
-    fn steer(&mut self, wish: &Wish) {
-        let Some(running) = &mut self.running else { return };
-        if !running.is_full() {
-            if running.since.is_none() && self.job.is_none() {
-                running.since = Some(Instant::now());
-                running.session.extend(1);
-            }
-            return;
-        }
-        let target = target(&running.look.settings, running.integrator, wish.endless);
+    fn steer(&mut self) {
+        let holds = self.holds();
+        let (Some(running), Some(wish)) = (&mut self.running, &self.wish) else { return };
         let progress = running.session.progress();
-        let wants = !wish.paused && self.job.is_none() && progress.samples < target;
-        if wants && running.since.is_none() {
-            running.since = Some(Instant::now());
-            running.session.extend(target);
-        } else if wants && progress.finished {
-            running.session.extend(target);
-        } else if !wants && running.since.is_some() && (wish.paused || self.job.is_some()) {
-            running.pause();
-        } else if !wants && progress.target > target && !progress.finished {
+        let target = match running.divisor {
+            1 => target(&running.look.settings, running.integrator, wish.endless),
+            _ => 1,
+        };
+        // What has no sample yet gets one in any case: a change is seen even in a pause.
+        if holds && progress.samples > 0 {
+            if running.since.is_some() {
+                running.pause();
+            }
+        } else if progress.samples < target {
+            if running.since.is_none() || progress.finished || progress.target < target {
+                running.since.get_or_insert_with(Instant::now);
+                running.session.extend(target);
+            }
+        } else if progress.target > target && !progress.finished {
             running.session.finish_pass();
-        } else if wants && progress.target < target {
-            running.session.extend(target);
         }
+    }
+
+    /// Whether nothing is to be rendered for the window beyond a first look.
+    fn holds(&self) -> bool {
+        self.job.is_some() || self.wish.as_ref().is_some_and(|wish| wish.paused)
     }
 
     /// Makes the scene traceable with another look.
@@ -537,15 +555,26 @@ impl Worker {
 
     /// Looks how far the rendering is, shows it where that is worth it, climbs the ladder.
     fn go_on(&mut self) {
-        let Some(running) = &self.running else { return };
+        /// So long one looks at the picture of before rather than at one with gaps.
+        const GAPS: Duration = Duration::from_millis(150);
+        let Some(running) = &mut self.running else { return };
         let progress = running.session.progress();
-        let (full, spent) = (running.is_full(), running.spent());
+        let spent = running.spent();
         let news = running.shown != Some(progress.paths);
-        if full {
+        if running.is_full() {
             // In the middle of a pass some pixels have a sample more than others: each shows the mean
             // of its own.
-            if news && (Instant::now() >= self.due || progress.finished) {
+            let stand_in = self.coarse.as_ref().is_some_and(|c| c.stands_in_for(running));
+            let whole = progress.samples > 0 || stand_in || spent > GAPS;
+            if progress.finished && running.since.is_some() {
+                running.rest();
+            }
+            if news && (whole && Instant::now() >= self.due || progress.finished) {
                 self.show();
+            }
+            // It has its first sample in a pause, or has ended while more was asked for.
+            if !progress.panicked {
+                self.steer();
             }
         } else if progress.finished {
             self.ladder.learn(progress.paths, spent);
@@ -562,9 +591,7 @@ impl Worker {
         let Some(running) = self.running.take() else { return };
         let divisor = running.divisor / 2;
         self.running = self.start_rung(&running.look, running.integrator, divisor.max(1), false);
-        if let Some(wish) = self.wish.clone() {
-            self.steer(&wish);
-        }
+        self.steer();
     }
 
     /// Shows what there is of the picture.
@@ -574,13 +601,14 @@ impl Worker {
         let Progress { samples, paths, .. } = running.session.progress();
         let mut image = running.session.snapshot();
         if samples == 0
-            && let Some(coarse) = &self.coarse
+            && let Some(coarse) = self.coarse.as_ref().filter(|c| c.stands_in_for(running))
         {
-            image = filled(image, coarse);
+            image = filled(image, &coarse.image);
         }
         let image = Arc::new(image);
         if !running.is_full() {
-            self.coarse = Some(Arc::clone(&image));
+            let (look, integrator) = (Arc::clone(&running.look), running.integrator);
+            self.coarse = Some(Coarse { look, integrator, image: Arc::clone(&image) });
         }
         running.shown = Some(paths);
         let picture = Arc::new(develop(image, &wish.view));
@@ -613,19 +641,18 @@ impl Worker {
 
     fn begin_job(&mut self, job: Job) {
         let Some((prepared, look)) = &self.prepared else { return };
-        let camera = look.camera.camera(job.settings.size);
+        let problem = locked(&self.shared.status).problem.clone();
+        let camera = problem.map_or_else(|| look.camera.camera(job.settings.size), Err);
         let started = camera.and_then(|camera| {
             let prepared = Arc::new(prepared.seen_by(&camera)?);
             Session::start(prepared, job.settings.clone(), self.threads)
         });
         match started {
             Ok(session) => {
-                if let Some(running) = &mut self.running {
-                    running.pause();
-                }
                 *locked(&self.shared.job) =
                     Some(JobState::Running { progress: session.progress() });
                 self.job = Some((job, session, Instant::now()));
+                self.steer();
             }
             Err(problem) => {
                 *locked(&self.shared.job) = Some(JobState::Failed { what: problem.what });
@@ -649,9 +676,7 @@ impl Worker {
         };
         *locked(&self.shared.job) = Some(state);
         self.job = None;
-        if let Some(wish) = self.wish.clone() {
-            self.steer(&wish);
-        }
+        self.steer();
         (self.shared.wake)();
     }
 
@@ -785,6 +810,22 @@ material = "glass"
         panic!("no picture: {:?}", live.status());
     }
 
+    /// Waits for a whole picture of this look, however noisy.
+    fn sampled(live: &Live, look: &Arc<Look>) {
+        for _ in 0..4000 {
+            std::thread::sleep(Duration::from_millis(5));
+            if let Some(shown) = live.shown()
+                && Arc::ptr_eq(&shown.look, look)
+                && let Some(counts) = shown.picture.image.channel("samples.Y")
+                && shown.picture.size == look.settings.size
+                && counts.iter().all(|&n| n > 0.0)
+            {
+                return;
+            }
+        }
+        panic!("no picture: {:?}", live.status());
+    }
+
     /// After any changes, in quick succession, the picture is that of a fresh rendering: not one
     /// sample of before is in it.
     #[test]
@@ -876,6 +917,74 @@ material = "glass"
         };
         let asked = Look { settings, ..Look::clone(&look) };
         assert_eq!(image.hash(), headless(&asked));
+        assert_eq!(finished(&live, &look).picture.image.hash(), headless(&look));
+    }
+
+    /// While a job runs, changes are seen, with a sample at least; once it is stopped, the picture
+    /// goes on.
+    #[test]
+    fn a_job_can_be_stopped() {
+        let live = Live::start(2, || {});
+        let stage = stage();
+        let mut look = Arc::clone(&stage.look);
+        live.stage(stage, wish(&look));
+        let settings = Settings { spp: 1 << 30, ..look.settings.clone() };
+        live.begin_job(Job { settings, file: "a.exr".into() });
+        Arc::make_mut(&mut look).camera.position.x = 0.5;
+        live.wish(wish(&look));
+        sampled(&live, &look);
+        assert!(matches!(live.job(), Some(JobState::Running { .. })));
+        live.stop_job();
+        assert_eq!(finished(&live, &look).picture.image.hash(), headless(&look));
+        assert!(live.job().is_none());
+    }
+
+    /// Another scene, or the same read anew, does not end a job.
+    #[test]
+    fn a_job_outlives_its_scene() {
+        let live = Live::start(2, || {});
+        let first = stage();
+        let look = Arc::clone(&first.look);
+        live.stage(first, wish(&look));
+        let settings = Settings { spp: 400, ..look.settings.clone() };
+        live.begin_job(Job { settings: settings.clone(), file: "a.exr".into() });
+        while !matches!(live.job(), Some(JobState::Running { .. })) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let mut second = stage();
+        let mut other = Look::clone(&look);
+        other.camera.position.x = 0.5;
+        second.look = Arc::new(other);
+        let other = Arc::clone(&second.look);
+        second.scene.camera = other.camera.camera(other.settings.size).unwrap();
+        second.prepared = Arc::new(Prepared::new(&second.scene).unwrap());
+        live.stage(second, wish(&other));
+        let image = loop {
+            match live.job() {
+                Some(JobState::Done { image, .. }) => break image,
+                Some(JobState::Running { .. }) => std::thread::sleep(Duration::from_millis(1)),
+                ended => panic!("{ended:?}"),
+            }
+        };
+        assert_eq!(image.hash(), headless(&Look { settings, ..Look::clone(&look) }));
+        assert_eq!(finished(&live, &other).picture.image.hash(), headless(&other));
+    }
+
+    /// In a pause, what is moved or looked at otherwise is seen whole, however small the picture.
+    #[test]
+    fn a_pause_shows_what_changes() {
+        let live = Live::start(2, || {});
+        let stage = stage();
+        let mut look = Arc::clone(&stage.look);
+        live.stage(stage, wish(&look));
+        finished(&live, &look);
+        for channel in [Channel::Radiance, Channel::Normal, Channel::Radiance] {
+            Arc::make_mut(&mut look).camera.position.x += 0.1;
+            let view = View { channel, ..View::default() };
+            live.wish(Wish { paused: true, view, ..wish(&look) });
+            sampled(&live, &look);
+        }
+        live.wish(wish(&look));
         assert_eq!(finished(&live, &look).picture.image.hash(), headless(&look));
     }
 
