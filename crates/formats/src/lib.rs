@@ -56,6 +56,14 @@ pub fn read_scene(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene,
     }
 }
 
+/// The text of the native scene at `path`, for [`parse_native`] and [`rewrite`].
+///
+/// # Errors
+/// A file that cannot be read, exceeds the `limits`, or is not UTF-8.
+pub fn native_text(path: &Path, limits: &Limits) -> Result<String, SceneError> {
+    scene::native::text(path, limits)
+}
+
 /// Reads a native scene (docs/scene-format.md) that is already in memory.
 ///
 /// `file` is where it would stand: errors name it, and the files that the

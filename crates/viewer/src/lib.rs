@@ -13,6 +13,7 @@ mod merge;
 mod picture;
 mod pose;
 mod prefs;
+mod replace;
 mod source;
 mod watch;
 mod window;

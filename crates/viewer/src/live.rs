@@ -707,7 +707,12 @@ pub(crate) fn window_settings(settings: &Settings, integrator: Option<Integrator
 /// Samples of pictures that have hardly any noise.
 const DEBUG_SPP: u64 = 16;
 
-fn target(settings: &Settings, integrator: Option<IntegratorKind>, endless: bool) -> u64 {
+/// After how many samples a picture is done.
+pub(crate) fn target(
+    settings: &Settings,
+    integrator: Option<IntegratorKind>,
+    endless: bool,
+) -> u64 {
     match (integrator, endless) {
         (Some(_), _) => settings.spp.min(DEBUG_SPP),
         (None, true) => ENDLESS,

@@ -5,6 +5,7 @@
 //! by their names.
 
 use rutilant::material::Material;
+use rutilant::settings::Settings;
 use rutilant_formats::Look;
 
 /// The look `mine`, which began as `before`, on top of the file's new look `theirs`.
@@ -26,9 +27,40 @@ pub(crate) fn merged(before: &Look, mine: &Look, theirs: &Look) -> Look {
         environment: pick(&before.environment, &mine.environment, &theirs.environment),
         materials: materials.collect(),
         lights: pick(&before.lights, &mine.lights, &theirs.lights),
-        settings: pick(&before.settings, &mine.settings, &theirs.settings),
+        settings: changed_over(&before.settings, &theirs.settings, &mine.settings),
         display: pick(&before.display, &mine.display, &theirs.display),
     }
+}
+
+/// Each setting as in `changed` where that differs from `base`, and else as in `other`.
+pub(crate) fn changed_over(base: &Settings, changed: &Settings, other: &Settings) -> Settings {
+    macro_rules! each {
+        ($($field:ident),*) => {
+            Settings {
+                $($field: if changed.$field == base.$field {
+                    other.$field.clone()
+                } else {
+                    changed.$field.clone()
+                }),*
+            }
+        };
+    }
+    each!(
+        size,
+        crop,
+        spp,
+        planned_spp,
+        max_depth,
+        integrator,
+        sampler,
+        seed,
+        filter,
+        strategy,
+        heuristic,
+        roulette,
+        light_selection,
+        caustics
+    )
 }
 
 fn is_mix(material: &Material) -> bool {
@@ -66,6 +98,9 @@ mod tests {
         let all = merged(&before, &mine, &theirs);
         assert_eq!(all.camera, mine.camera);
         assert_eq!(all.settings, theirs.settings);
+        mine.settings.size = [5, 4];
+        let both = merged(&before, &mine, &theirs).settings;
+        assert_eq!((both.size, both.spp), ([5, 4], 99));
         assert_eq!(all.materials[0], mine.materials[0]);
         assert_eq!(all.materials[1], theirs.materials[1]);
 

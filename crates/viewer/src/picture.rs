@@ -3,7 +3,7 @@
 //! Everything here is done beside the interface, on whole pictures: bytes for
 //! the screen, what the histogram counts, how much noise there is.
 
-use eframe::egui::Color32;
+use eframe::egui::{Color32, ColorImage};
 use rayon::prelude::*;
 use rutilant::display::Display;
 use rutilant::false_color::magma;
@@ -62,6 +62,8 @@ pub struct View {
     pub false_color: bool,
     /// What is brighter than the screen can show is marked red, what is no number magenta.
     pub overlay: bool,
+    /// The longest side that the graphics can show.
+    pub most_side: Option<usize>,
 }
 
 /// Bins of a [`Histogram`].
@@ -78,8 +80,10 @@ pub(crate) struct Histogram {
 #[derive(Debug)]
 pub(crate) struct Developed {
     pub(crate) size: [u32; 2],
-    /// (height, width), row 0 on top.
-    pub(crate) pixels: Vec<Color32>,
+    /// All its pixels.
+    pub(crate) pixels: Arc<ColorImage>,
+    /// The same, or with fewer pixels where the graphics cannot show so many.
+    pub(crate) small: Arc<ColorImage>,
     /// What it was made of.
     pub(crate) image: Arc<Image>,
     pub(crate) histogram: Histogram,
@@ -163,7 +167,39 @@ pub(crate) fn develop(image: Arc<Image>, view: &View) -> Developed {
     };
     let clipped = light.iter().filter(|p| mark(**p, gain).is_some()).count() as u64;
     let histogram = histogram(&light, gain);
-    Developed { size: [width, height], pixels, image, histogram, noise, clipped }
+    let pixels = ColorImage::new([width, height].map(|side| side as usize), pixels);
+    let pixels = Arc::new(pixels);
+    let small = match view.most_side {
+        Some(most) if pixels.size.iter().any(|&side| side > most) => {
+            Arc::new(shrunk(&pixels, most.max(1)))
+        }
+        _ => Arc::clone(&pixels),
+    };
+    Developed { size: [width, height], pixels, small, image, histogram, noise, clipped }
+}
+
+/// The means of squares of pixels, so large that no side is longer than `most`.
+fn shrunk(image: &ColorImage, most: usize) -> ColorImage {
+    let [width, height] = image.size;
+    let step = width.max(height).div_ceil(most);
+    let size = [width.div_ceil(step), height.div_ceil(step)];
+    let mean = |i: usize| {
+        let (x, y) = (i % size[0] * step, i / size[0] * step);
+        let (mut sum, mut count) = ([0_u32; 3], 0);
+        for row in image.pixels.chunks_exact(width).skip(y).take(step) {
+            for color in row.iter().skip(x).take(step) {
+                sum = [
+                    sum[0] + u32::from(color.r()),
+                    sum[1] + u32::from(color.g()),
+                    sum[2] + u32::from(color.b()),
+                ];
+                count += 1;
+            }
+        }
+        opaque(sum.map(|channel| (channel / count.max(1)) as u8))
+    };
+    let pixels = (0..size[0] * size[1]).into_par_iter().map(mean).collect();
+    ColorImage::new(size, pixels)
 }
 
 fn opaque([r, g, b]: [u8; 3]) -> Color32 {
@@ -249,12 +285,17 @@ mod tests {
         let display = Display { exposure: 0.5, ..Display::default() };
         let view = View { display, ..View::default() };
         let developed = develop(image(2, 2, &values), &view);
-        for (pixel, value) in developed.pixels.iter().zip(values) {
+        for (pixel, value) in developed.pixels.pixels.iter().zip(values) {
             assert_eq!(pixel.to_array()[..3], display.encode(value));
         }
         let marked = develop(image(2, 2, &values), &View { overlay: true, ..view });
-        let differ: Vec<bool> =
-            marked.pixels.iter().zip(&developed.pixels).map(|(a, b)| a != b).collect();
+        let differ: Vec<bool> = marked
+            .pixels
+            .pixels
+            .iter()
+            .zip(&developed.pixels.pixels)
+            .map(|(a, b)| a != b)
+            .collect();
         assert_eq!(differ, [false, true, true, true]);
         assert_eq!(marked.clipped, 3);
     }
@@ -277,8 +318,9 @@ mod tests {
                     let (false_color, overlay) = (flags & 1 == 1, flags & 2 == 2);
                     let view = View { channel, false_color, overlay, ..View::default() };
                     let developed = develop(Arc::clone(&image), &view);
-                    assert_eq!(developed.pixels.len() as u32, image.width() * image.height());
-                    assert!(developed.pixels.iter().all(|p| p.a() == 255));
+                    let pixels = &developed.pixels.pixels;
+                    assert_eq!(pixels.len() as u32, image.width() * image.height());
+                    assert!(pixels.iter().all(|p| p.a() == 255));
                 }
             }
         }
@@ -295,6 +337,21 @@ mod tests {
         let bin = |value, exposure| counts(value, exposure).iter().position(|&n| n == 1);
         assert_eq!((bin(1.0, 0.0), bin(1.0, 1.0), bin(0.24, 0.0)), (Some(48), Some(51), Some(41)));
         assert_eq!((bin(0.0, 0.0), bin(f32::NAN, 0.0), bin(1e30, 0.0)), (None, None, Some(95)));
+    }
+
+    /// What is too large for the graphics is shown smaller, each pixel the mean of those it stands for.
+    #[test]
+    fn large_pictures_are_shrunk() {
+        let pixels: Vec<[f32; 3]> = (0..15).map(|i| [[0.0; 3], [1.0; 3]][i % 2]).collect();
+        let view = View { most_side: Some(2), ..View::default() };
+        let developed = develop(image(5, 3, &pixels), &view);
+        assert_eq!((developed.pixels.size, developed.small.size), ([5, 3], [2, 1]));
+        let white = Display::default().encode([1.0; 3])[0];
+        let grey = |share: usize| (usize::from(white) * share / 9) as u8;
+        assert_eq!(developed.small.pixels[0], Color32::from_gray(grey(4)));
+        let whole = View { most_side: Some(5), ..view };
+        let whole = develop(image(5, 3, &pixels), &whole);
+        assert!(Arc::ptr_eq(&whole.small, &whole.pixels));
     }
 
     /// Only what has no samples yet is taken from the coarse picture.

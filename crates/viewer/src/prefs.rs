@@ -1,9 +1,11 @@
 //! What the window remembers between two uses: recent files and changed keys.
 //!
 //! A small TOML file in the user's folder for settings. It may be missing,
-//! broken or read-only: then the window starts as new, and forgets.
+//! broken or read-only: then the window starts as new, and forgets. A broken one
+//! is left as it is.
 
 use crate::keys::KeyMap;
+use crate::replace::replace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,10 +30,19 @@ impl Preferences {
         Some(folders.config_dir().join("window.toml"))
     }
 
-    /// Those in a file; the usual ones where there are none.
-    pub(crate) fn read(file: &Path) -> Self {
+    /// Those in a file; the usual ones where there are none. Where it is broken, one line that says
+    /// so.
+    pub(crate) fn read(file: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(file).unwrap_or_default();
-        toml::from_str(&text).unwrap_or_default()
+        toml::from_str(&text).map_err(|error| {
+            let what = error.message().lines().next().unwrap_or_default();
+            let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            format!(
+                "{}:{line}: {what}; until it is mended or removed, chosen keys and recent files are \
+                 not kept",
+                file.display()
+            )
+        })
     }
 
     /// Keeps them in a file, as far as that can be done.
@@ -40,7 +51,7 @@ impl Preferences {
         if let Some(folder) = file.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        std::fs::write(file, text)
+        replace(file, text.as_bytes())
     }
 
     /// A file that was opened is the newest.
@@ -65,7 +76,7 @@ mod tests {
     fn they_are_remembered() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("deep/er/window.toml");
-        assert_eq!(Preferences::read(&file), Preferences::default());
+        assert_eq!(Preferences::read(&file), Ok(Preferences::default()));
         let mut preferences = Preferences::default();
         for i in 0..15 {
             preferences.opened(Path::new(&format!("/scenes/{i}.toml")));
@@ -75,8 +86,9 @@ mod tests {
         assert_eq!(preferences.recent[0], Path::new("/scenes/9.toml"));
         preferences.keys.insert("forward".into(), "I".into());
         preferences.write(&file).unwrap();
-        assert_eq!(Preferences::read(&file), preferences);
-        std::fs::write(&file, "recent = 3\u{0}").unwrap();
-        assert_eq!(Preferences::read(&file), Preferences::default());
+        assert_eq!(Preferences::read(&file), Ok(preferences));
+        std::fs::write(&file, "recent = []\nkeys = 3").unwrap();
+        let what = Preferences::read(&file).unwrap_err();
+        assert!(what.contains("window.toml:2: "), "{what}");
     }
 }

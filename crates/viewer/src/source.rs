@@ -3,13 +3,18 @@
 use rutilant::Prepared;
 use rutilant::settings::Settings;
 use rutilant_formats::camera::AuthoredCamera;
-use rutilant_formats::{Limits, LoadedScene, Look, ReadOptions, parse_native, read_scene};
+use rutilant_formats::{
+    Limits, LoadedScene, Look, ReadOptions, native_text, parse_native, read_scene,
+};
 use rutilant_geom::Aabb;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::live::Stage;
+use crate::merge::changed_over;
+use crate::watch::Watch;
 
 /// A scene that needs no disk.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +45,7 @@ pub struct Reading {
 }
 
 /// A scene that has been read, without what is traced.
+#[derive(Clone)]
 pub(crate) struct Document {
     /// `None` for the built-in one.
     pub(crate) file: Option<PathBuf>,
@@ -81,6 +87,9 @@ pub(crate) struct Opening {
     pub(crate) since: Instant,
     /// Whether it is the scene that is shown already.
     pub(crate) again: bool,
+    /// Its file, and all that it is known to be made of.
+    pub(crate) watch: Watch,
+    thread: JoinHandle<()>,
     shared: Arc<Mutex<(Step, Option<Opened>)>>,
 }
 
@@ -88,16 +97,20 @@ pub(crate) struct Opening {
 pub(crate) type Opened = Result<Box<(Stage, Document)>, String>;
 
 impl Opening {
-    /// Begins to open a scene, the built-in one without a file; `wake` is called at each step.
+    /// Begins to open a scene, the built-in one without a file, which is made of `files` as well, as
+    /// far as is known; `wake` is called at each step.
     pub(crate) fn begin(
         file: Option<PathBuf>,
         again: bool,
+        files: &[PathBuf],
         reading: &Reading,
-        wake: impl Fn() + Send + 'static,
+        wake: impl Fn() + Clone + Send + 'static,
     ) -> Self {
+        // What changes while it is read will have to be read again.
+        let watch = Watch::begin(file.iter().chain(files).cloned(), None, wake.clone());
         let shared = Arc::new(Mutex::new((Step::Reading, None)));
         let (theirs, path, reading) = (Arc::clone(&shared), file.clone(), reading.clone());
-        std::thread::spawn(move || {
+        let thread = std::thread::spawn(move || {
             let step = |step| {
                 lock(&theirs).0 = step;
                 wake();
@@ -106,7 +119,7 @@ impl Opening {
             lock(&theirs).1 = Some(opened);
             wake();
         });
-        Self { file, since: Instant::now(), again, shared }
+        Self { file, since: Instant::now(), again, watch, thread, shared }
     }
 
     pub(crate) fn step(&self) -> Step {
@@ -115,7 +128,11 @@ impl Opening {
 
     /// What came of it, once it is there.
     pub(crate) fn take(&self) -> Option<Opened> {
-        lock(&self.shared).1.take()
+        // Asked first: what has ended has left what came of it, unless it broke off.
+        let ended = self.thread.is_finished();
+        let opened = lock(&self.shared).1.take();
+        let broken = || Err("the reading broke off; please report it as a bug".to_owned());
+        opened.or_else(|| ended.then(broken))
     }
 }
 
@@ -183,12 +200,13 @@ fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, Loade
         let loaded = parse_native(text, Path::new(file), &options).map_err(error)?;
         return Ok((Some(text.to_owned()), loaded));
     };
-    let loaded = read_scene(file, &options).map_err(error)?;
-    // A text that was changed while it was read is not that of this scene: it is not kept, and the
-    // change will be seen.
-    let native = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    let text = native.then(|| std::fs::read_to_string(file).ok()).flatten();
-    Ok((text, loaded))
+    if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        // Read once: this text is that of this scene, whatever happens to the file meanwhile.
+        let text = native_text(file, &options.limits).map_err(error)?;
+        let loaded = parse_native(&text, file, &options).map_err(error)?;
+        return Ok((Some(text), loaded));
+    }
+    Ok((None, read_scene(file, &options).map_err(error)?))
 }
 
 /// How a scene in `folder` names a file: by the way from there, where it lies within.
@@ -217,9 +235,15 @@ pub(crate) fn text_of(
         ..ReadOptions::default()
     };
     let error = |error: rutilant_formats::SceneError| error.to_string();
-    // What the window was opened with is no part of the scene.
-    let mut look = look.clone();
-    look.settings.planned_spp = None;
+    // What the window was opened with is no part of the scene: where that has not been changed, the
+    // file keeps its own.
+    let look = |before: &LoadedScene| {
+        let mut look = look.clone();
+        let was = &document.look.settings;
+        look.settings = changed_over(was, &look.settings, &before.settings);
+        look.settings.planned_spp = None;
+        look
+    };
     // Images that were added are seen from another folder, perhaps.
     let folder_of = |file: &Path| file.parent().unwrap_or(Path::new("")).to_owned();
     let here = document.file.as_deref().map(folder_of).unwrap_or_default();
@@ -231,11 +255,13 @@ pub(crate) fn text_of(
         (Some(text), file) => {
             let file = file.as_deref().unwrap_or(to);
             let before = parse_native(text, file, &options).map_err(error)?;
+            let look = look(&before);
             rutilant_formats::rewrite(text, file, &options, &before, &look, image_names)
                 .map_err(error)
         }
         (None, Some(file)) => {
             let before = read_scene(file, &options).map_err(error)?;
+            let look = look(&before);
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             rutilant_formats::native_for_mesh(&name, to, &options, &before, &look, image_names)
                 .map_err(error)

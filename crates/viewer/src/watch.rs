@@ -39,20 +39,30 @@ pub(crate) enum Changed {
 }
 
 impl Watch {
-    /// Of `files`; `wake` is called at each change.
+    /// Of `files`, and of everything in the folder of `beside`; `wake` is called at each change.
     pub(crate) fn begin(
         files: impl IntoIterator<Item = PathBuf>,
+        beside: Option<&Path>,
         wake: impl Fn() + Send + 'static,
     ) -> Self {
         let files = files.into_iter().filter_map(|file| file.canonicalize().ok());
         let files: BTreeSet<PathBuf> = files.collect();
+        let folder_of = |file: &Path| {
+            let folder = file.parent()?;
+            let here = folder.as_os_str().is_empty();
+            (if here { Path::new(".") } else { folder }).canonicalize().ok()
+        };
+        let all_in = beside.and_then(folder_of);
         let folders: BTreeSet<PathBuf> =
-            files.iter().filter_map(|file| file.parent().map(Path::to_owned)).collect();
+            files.iter().filter_map(|file| folder_of(file)).chain(all_in.clone()).collect();
         let changes = Arc::new(Mutex::new(Changes::default()));
         let theirs = Arc::clone(&changes);
         let heard = move |event: notify::Result<notify::Event>| {
             let Ok(event) = event else { return };
-            let touched: Vec<_> = event.paths.iter().filter(|path| files.contains(*path)).collect();
+            let watched = |path: &&PathBuf| {
+                files.contains(*path) || (all_in.is_some() && path.parent() == all_in.as_deref())
+            };
+            let touched: Vec<_> = event.paths.iter().filter(watched).collect();
             if touched.is_empty() || matches!(event.kind, notify::EventKind::Access(_)) {
                 return;
             }
@@ -70,6 +80,17 @@ impl Watch {
             }
         }
         Self { _watcher: watcher, changes }
+    }
+
+    /// Takes over what another has seen and not told.
+    pub(crate) fn succeed(&self, other: &Self) {
+        let lock = |watch: &Self| {
+            std::mem::take(&mut *watch.changes.lock().unwrap_or_else(PoisonError::into_inner))
+        };
+        let Changes { files, last } = lock(other);
+        let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+        changes.files.extend(files);
+        changes.last = changes.last.max(last);
     }
 
     /// What has changed since files were told last.
@@ -94,7 +115,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a.toml");
         std::fs::write(&file, "1").unwrap();
-        let watch = Watch::begin([file.clone()], || {});
+        let watch = Watch::begin([file.clone()], None, || {});
         let here = BTreeSet::from([file.canonicalize().unwrap()]);
         let changed = || {
             (0..300).any(|_| {
@@ -110,5 +131,20 @@ mod tests {
         assert_eq!(watch.changed(), Changed::Nothing);
         std::fs::rename(&new, &file).unwrap();
         assert!(changed());
+    }
+
+    /// Where a file is missing, whatever comes beside it counts; what was seen is not lost.
+    #[test]
+    fn what_is_new_in_a_folder_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("missing.ply");
+        let watch = Watch::begin([], Some(&missing), || {});
+        std::fs::write(&missing, "1").unwrap();
+        std::thread::sleep(3 * QUIET);
+        let next = Watch::begin([missing.clone()], None, || {});
+        next.succeed(&watch);
+        assert_eq!(watch.changed(), Changed::Nothing);
+        let expected = BTreeSet::from([missing.canonicalize().unwrap()]);
+        assert_eq!(next.changed(), Changed::Files(expected));
     }
 }

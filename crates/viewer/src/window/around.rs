@@ -4,7 +4,7 @@ use super::canvas::Tool;
 use super::input::{pose_of, put_pose, see_all};
 use super::state::{Dialog, Window};
 use super::{panels, theme};
-use crate::live::{JobState, Status};
+use crate::live::{JobState, Status, target};
 use crate::picture::{BINS, Channel};
 use crate::pose::Axis;
 use eframe::egui::{self, Color32, MenuBar, Panel, ScrollArea, Ui, vec2};
@@ -37,7 +37,9 @@ impl Window {
                 ui.menu_button("Camera", |ui| self.camera_menu(ui, draft));
                 ui.menu_button("View", |ui| self.view_menu(ui));
                 if ui.button("Keys").clicked() {
-                    self.help = !self.help;
+                    if !self.close_help() {
+                        self.help = true;
+                    }
                 }
                 ui.separator();
                 ui.selectable_value(&mut self.canvas.tool, Tool::Camera, "Move camera");
@@ -148,6 +150,10 @@ impl Window {
 
     pub(super) fn side_panel(&mut self, ui: &mut Ui, draft: Option<&mut Look>) {
         Panel::right("panel").default_size(330.0).show(ui, |ui| {
+            // What is changed in a scene that is about to be closed would be lost.
+            if self.opening.as_ref().is_some_and(|opening| !opening.again) {
+                ui.disable();
+            }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 let Some(look) = draft else {
                     ui.weak("Nothing is open.");
@@ -253,7 +259,11 @@ impl Window {
         if divisor > 1 {
             return format!("a first look, 1:{divisor}");
         }
-        let of = if self.endless { String::new() } else { format!(" of {}", progress.target) };
+        let wanted = self.history.as_ref().map(|history| {
+            target(&history.present().settings, self.view.channel.integrator(), false)
+        });
+        let wanted = wanted.filter(|&wanted| !self.endless && progress.samples <= wanted);
+        let of = wanted.map_or(String::new(), |wanted| format!(" of {wanted}"));
         // One sample tells nothing of how far it is off.
         let noise = self.shown.as_ref().filter(|_| progress.samples > 1);
         let noise = noise.and_then(|s| s.picture.noise);
@@ -264,6 +274,11 @@ impl Window {
             _ => "",
         };
         let samples = progress.samples;
-        format!("{samples}{of} samples, {seconds:.1} s{noise}{state}")
+        // What is no number is left out of the picture, but not unsaid.
+        let dropped = progress.dropped.first.map_or(String::new(), |first| {
+            let (count, x, y) = (progress.dropped.count, first.x, first.y);
+            format!(", {count} were no numbers and left out, the first in pixel {x}, {y}")
+        });
+        format!("{samples}{of} samples, {seconds:.1} s{noise}{dropped}{state}")
     }
 }

@@ -1,7 +1,7 @@
 //! What other threads have finished: scenes, pictures, files.
 
 use super::report::Happened;
-use super::state::{After, Dialog, Window, Work};
+use super::state::{After, Dialog, Saved, Window, Work};
 use crate::history::History;
 use crate::live::{JobState, Stage, Wish};
 use crate::merge::merged;
@@ -18,10 +18,16 @@ use std::time::Duration;
 
 impl Window {
     pub(super) fn open(&mut self, file: Option<PathBuf>, again: bool) {
+        if !again && self.document.is_some() {
+            // What the command line said was said of its own scene.
+            (self.reading.camera, self.reading.size) = (None, None);
+            self.reading.adjust = Arc::new(|_| {});
+        }
         self.tried = (file.clone(), again);
+        let files = self.document.as_ref().filter(|_| again).map_or(&[][..], |d| &d.files);
         let wake = self.context.clone();
-        self.opening =
-            Some(Opening::begin(file, again, &self.reading, move || wake.request_repaint()));
+        let wake = move || wake.request_repaint();
+        self.opening = Some(Opening::begin(file, again, files, &self.reading, wake));
     }
 
     /// Opens another scene, once changes to this one are saved or given up.
@@ -39,23 +45,25 @@ impl Window {
             && let Some(opening) = self.opening.take()
         {
             match opened {
-                Ok(opened) => self.opened(*opened, opening.again),
-                Err(what) => self.trouble(what),
+                Ok(opened) => self.opened(*opened, &opening),
+                Err(what) => self.could_not_open(what, &opening),
             }
         }
         match self.watch.as_ref().filter(|_| self.opening.is_none()).map(Watch::changed) {
             Some(Changed::Soon(left)) => self.context.request_repaint_after(left),
-            Some(Changed::Files(files)) if self.trouble.is_some() || !self.wrote_only(&files) => {
-                let file = self.document.as_ref().and_then(|d| d.file.clone());
-                self.open(file, true);
+            Some(Changed::Files(files)) if self.unreadable || !self.wrote_only(&files) => {
+                match &self.document {
+                    Some(document) => self.open(document.file.clone(), true),
+                    None => self.open(self.tried.0.clone(), false),
+                }
             }
             Some(Changed::Files(_) | Changed::Nothing) | None => {}
         }
         while let Ok(work) = self.work.1.try_recv() {
             match work {
                 Work::Wrote { file, hash, saved } => {
-                    if let Some((look, text)) = saved {
-                        self.saved_as(&file, &look, text);
+                    if let Some(saved) = saved {
+                        self.saved_as(&file, saved);
                     }
                     let hash_shown = hash.as_ref().map(|h| format!(", hash {h}"));
                     let hash_shown = hash_shown.unwrap_or_default();
@@ -64,6 +72,14 @@ impl Window {
                 }
                 Work::Sky { file, image, like } => self.use_sky(&file, image, like),
                 Work::Beside(beside) => self.beside = Some(beside),
+                Work::Stale(file) => {
+                    self.then_say = Some(format!(
+                        "{}: it was not saved, because it had changed on disk; that has been read \
+                         now, and you can save again",
+                        file.display()
+                    ));
+                    self.open(Some(file), true);
+                }
                 Work::Failed(what) => self.trouble(what),
             }
         }
@@ -86,16 +102,17 @@ impl Window {
     }
 
     /// A scene was written: from now on it is this file that is shown.
-    fn saved_as(&mut self, file: &Path, look: &Arc<Look>, text: String) {
-        self.saved = Some(Arc::clone(look));
-        let Some(document) = &mut self.document else { return };
+    fn saved_as(&mut self, file: &Path, Saved { of, look, text }: Saved) {
+        // Unless another scene has been opened meanwhile.
+        let Some(document) = self.document.as_mut().filter(|d| d.file == of) else { return };
+        self.saved = Some(Arc::clone(&look));
         if document.file.as_deref() == Some(file) && self.image_names == document.image_names {
             // What is rendered goes on.
             let mut cameras = document.cameras.iter_mut();
             if let Some(camera) = cameras.find(|camera| camera.name == look.camera.name) {
                 camera.clone_from(&look.camera);
             }
-            document.look = Look::clone(look);
+            document.look = Look::clone(&look);
             document.text = Some(text);
         } else {
             self.open(Some(file.to_owned()), true);
@@ -128,7 +145,8 @@ impl Window {
                 self.job = Some(running);
                 self.context.request_repaint_after(Duration::from_millis(100));
             }
-            None => {}
+            // It was stopped.
+            None => self.job = None,
         }
     }
 
@@ -145,8 +163,7 @@ impl Window {
                 *texture = None;
                 continue;
             };
-            let [width, height] = picture.size.map(|side| side as usize);
-            let image = egui::ColorImage::new([width, height], picture.pixels.clone());
+            let image = Arc::clone(&picture.small);
             let options = TextureOptions {
                 magnification: if full {
                     egui::TextureFilter::Nearest
@@ -165,7 +182,33 @@ impl Window {
         self.shown = Some(shown);
     }
 
-    pub(super) fn opened(&mut self, (mut stage, document): (Stage, Document), again: bool) {
+    fn could_not_open(&mut self, what: String, opening: &Opening) {
+        if opening.again || self.document.is_none() {
+            // It may be a file that is missing: whatever comes beside the scene is worth a try.
+            let document = self.document.iter();
+            let known = document.flat_map(|d| d.file.iter().chain(&d.files));
+            let known: Vec<PathBuf> = known.chain(&opening.file).cloned().collect();
+            self.watch_files(known, opening.file.as_deref(), &opening.watch);
+        }
+        self.unreadable = true;
+        self.trouble(what);
+    }
+
+    /// Watches files from now on, and what comes `beside` one; what `before` has seen counts.
+    fn watch_files(
+        &mut self,
+        files: impl IntoIterator<Item = PathBuf>,
+        beside: Option<&Path>,
+        before: &Watch,
+    ) {
+        let wake = self.context.clone();
+        let watch = Watch::begin(files, beside, move || wake.request_repaint());
+        watch.succeed(before);
+        self.watch = Some(watch);
+    }
+
+    pub(super) fn opened(&mut self, (mut stage, document): (Stage, Document), opening: &Opening) {
+        let again = opening.again;
         let theirs = document.look.clone();
         let before = self.document.as_ref().map(|d| d.look.clone());
         let mut look = match (again, &before, &self.history) {
@@ -186,7 +229,10 @@ impl Window {
             Ok(camera) => camera,
             Err(_) => stage.scene.camera,
         };
-        self.trouble = None;
+        (self.trouble, self.unreadable) = (None, false);
+        if let Some(what) = self.then_say.take() {
+            self.trouble(what);
+        }
         (self.report)(Happened::Opened { name: document.name(&self.reading) });
         let history = match self.history.take().filter(|_| again && fits) {
             Some(mut history) => {
@@ -197,9 +243,8 @@ impl Window {
         };
         self.saved = Some(Arc::new(theirs));
         self.image_names.clone_from(&document.image_names);
-        let wake = self.context.clone();
         let watched = document.file.iter().chain(&document.files).cloned();
-        self.watch = Some(Watch::begin(watched, move || wake.request_repaint()));
+        self.watch_files(watched, None, &opening.watch);
         let file_before = self.document.as_ref().and_then(|d| d.file.as_ref());
         let another = document.file.as_ref() != file_before;
         if let Some(file) = document.file.as_deref().filter(|_| another || !again) {

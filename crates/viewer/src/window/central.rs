@@ -78,11 +78,11 @@ impl Window {
                 egui::Frame::popup(ui.style()).show(ui, |ui| {
                     ui.set_max_width((laid.response.rect.width() - 60.0).clamp(200.0, 640.0));
                     ui.colored_label(theme::ERROR, &trouble);
-                    if self.document.is_some() {
+                    if self.unreadable && self.document.is_some() {
                         ui.weak("The last good scene is still shown.");
                     }
                     ui.horizontal(|ui| {
-                        if ui.button("Read again").clicked() {
+                        if self.unreadable && ui.button("Read again").clicked() {
                             let (file, again) = self.tried.clone();
                             self.open(file, again);
                             self.trouble = None;

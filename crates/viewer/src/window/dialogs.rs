@@ -52,7 +52,11 @@ impl Window {
                     }
                 }
             }
-            Dialog::Discard(After::Close) => self.closing = true,
+            Dialog::Discard(After::Close) => self.close_without_changes(),
+            Dialog::StopJob => {
+                self.live.stop_job();
+                self.closing = true;
+            }
             Dialog::Discard(After::Open(file)) => self.open(file, false),
         }
     }
@@ -83,7 +87,9 @@ impl Window {
                  wheel move the picture instead.",
             );
         });
-        self.help &= open;
+        if !open {
+            self.close_help();
+        }
     }
 }
 
@@ -97,6 +103,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
         Dialog::SaveImage(_) => ("Save what is shown", "Save"),
         Dialog::Render { .. } => ("Render at full quality", "Render"),
         Dialog::Discard(_) => ("The scene has changes that are not saved", "Discard them"),
+        Dialog::StopJob => ("A picture is being rendered for a file", "Give it up"),
     };
     /// What can be opened.
     const SCENES: &[&str] = &["toml", "obj", "ply"];
@@ -109,7 +116,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
         Dialog::Compare(_) | Dialog::Sky(_) => (IMAGES, false),
         Dialog::SaveScene(_) => (&["toml"][..], true),
         Dialog::SaveImage(_) | Dialog::Render { .. } => (IMAGES, true),
-        Dialog::Discard(_) => (&[][..], false),
+        Dialog::Discard(_) | Dialog::StopJob => (&[][..], false),
     };
     match dialog {
         Dialog::Open(file)
@@ -132,7 +139,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
                 ui.colored_label(theme::NOTE, said);
             }
         }
-        Dialog::Discard(_) => {}
+        Dialog::Discard(_) | Dialog::StopJob => {}
     }
     if let Dialog::Render { spp, size, .. } = dialog {
         widgets::row(ui, "Samples per pixel", |ui, name| {

@@ -1,6 +1,7 @@
 //! What is read from files and written into them, beside the interface.
 
-use super::state::{Dialog, Window, Work};
+use super::state::{Dialog, Saved, Window, Work};
+use crate::replace::replace;
 use crate::source::{named_from, text_of};
 use eframe::egui;
 use rutilant::image::Image;
@@ -105,37 +106,41 @@ impl Window {
 
     pub(super) fn save_scene(&mut self, to: PathBuf) {
         let (Some(document), Some(history)) = (&self.document, &self.history) else { return };
-        let in_place = document.file.as_deref() == Some(&*to);
-        if in_place
-            && let Some(text) = &document.text
-            && std::fs::read_to_string(&to).is_ok_and(|now| now != *text)
-        {
-            let to = to.display();
-            self.trouble = Some(format!("{to}: it has changed on disk; it will be read first"));
-            return;
-        }
-        // Its text is made here: the document does not change meanwhile.
-        let look = Arc::clone(history.present());
-        match text_of(document, &look, &self.image_names, &to, &self.reading) {
-            Ok(text) => {
-                // The built-in scene takes along the images that it uses.
-                let images =
-                    if document.file.is_none() { self.reading.built_in.images } else { &[] };
-                let used = images.iter().filter(|(name, _)| text.contains(&format!("{name:?}")));
-                let used: Vec<_> = used.collect();
-                self.beside_the_interface(move || match write_scene(&to, &text, &used) {
-                    Ok(()) => Work::Wrote { file: to, hash: None, saved: Some((look, text)) },
-                    Err(what) => Work::Failed(what),
-                });
+        let (document, look) = (document.clone(), Arc::clone(history.present()));
+        let (image_names, reading) = (self.image_names.clone(), self.reading.clone());
+        let writing = Arc::clone(&self.writing);
+        self.beside_the_interface(move || {
+            let _writing = writing;
+            let in_place = document.file.as_deref() == Some(&*to);
+            if in_place
+                && let Some(text) = &document.text
+                && std::fs::read_to_string(&to).is_ok_and(|now| now != *text)
+            {
+                return Work::Stale(to);
             }
-            Err(what) => self.trouble(what),
-        }
+            let written = text_of(&document, &look, &image_names, &to, &reading).and_then(|text| {
+                // The built-in scene takes along the images that it uses.
+                let images = if document.file.is_none() { reading.built_in.images } else { &[] };
+                let used = |(name, _): &&(&str, _)| text.contains(&format!("{name:?}"));
+                write_scene(&to, &text, images.iter().filter(used))?;
+                Ok(text)
+            });
+            match written {
+                Ok(text) => {
+                    let saved = Some(Saved { of: document.file, look, text });
+                    Work::Wrote { file: to, hash: None, saved }
+                }
+                Err(what) => Work::Failed(what),
+            }
+        });
     }
 
     pub(super) fn write_image(&mut self, image: Arc<Image>, file: PathBuf) {
         let Some(history) = &self.history else { return };
         let display = history.present().display;
+        let writing = Arc::clone(&self.writing);
         self.beside_the_interface(move || {
+            let _writing = writing;
             let hash = Some(format!("{:016x}", image.hash()));
             let (width, height) = (image.width(), image.height());
             let options = WriteOptions::default();
@@ -157,15 +162,18 @@ impl Window {
 
     pub(super) fn copy_image(&mut self) {
         if let Some(shown) = &self.shown {
-            let size = shown.picture.size.map(|side| side as usize);
-            self.context.copy_image(egui::ColorImage::new(size, shown.picture.pixels.clone()));
+            self.context.copy_image(egui::ColorImage::clone(&shown.picture.pixels));
             self.message = Some("the picture is in the clipboard".into());
         }
     }
 }
 
 /// Writes a scene, and those of its images that are not there yet, by their names.
-fn write_scene(file: &Path, text: &str, images: &[&(&str, &[u8])]) -> Result<(), String> {
+fn write_scene<'i>(
+    file: &Path,
+    text: &str,
+    images: impl Iterator<Item = &'i (&'i str, &'i [u8])>,
+) -> Result<(), String> {
     let failed = |file: &Path, error: std::io::Error| format!("{}: {error}", file.display());
     replace(file, text.as_bytes()).map_err(|error| failed(file, error))?;
     for (name, bytes) in images {
@@ -176,15 +184,4 @@ fn write_scene(file: &Path, text: &str, images: &[&(&str, &[u8])]) -> Result<(),
         }
     }
     Ok(())
-}
-
-/// Writes a file in place of what is there, as a whole or not at all.
-fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let folder = file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut new = tempfile::NamedTempFile::new_in(folder)?;
-    std::io::Write::write_all(&mut new, bytes)?;
-    if let Ok(metadata) = std::fs::metadata(file) {
-        new.as_file().set_permissions(metadata.permissions())?;
-    }
-    new.persist(file).map(|_| ()).map_err(|error| error.error)
 }

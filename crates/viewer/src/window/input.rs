@@ -10,6 +10,8 @@ use rutilant::settings::Roulette;
 use rutilant_formats::Look;
 use rutilant_formats::camera::{AngleOfView, AuthoredCamera, CameraKind, FocusOn};
 use rutilant_geom::{Aabb, Vec2};
+use std::sync::Arc;
+use std::time::Duration;
 
 impl Window {
     pub(super) fn hear_keys(&mut self, ui: &Ui, mut draft: Option<&mut Look>) {
@@ -136,7 +138,11 @@ impl Window {
             }
             Action::Overlay => self.view.overlay = !self.view.overlay,
             Action::StoreSnapshot => self.store_snapshot(),
-            Action::Help => self.help = !self.help,
+            Action::Help => {
+                if !self.close_help() {
+                    self.help = true;
+                }
+            }
             Action::Close => self.close_something(),
             Action::Forward
             | Action::Back
@@ -169,7 +175,7 @@ impl Window {
     /// The topmost thing that is open, or the window.
     pub(super) fn close_something(&mut self) {
         let closed = self.dialog.take().is_some()
-            || std::mem::take(&mut self.help)
+            || self.close_help()
             || std::mem::take(&mut self.picking)
             || self.trouble.take().is_some();
         if !closed {
@@ -177,20 +183,42 @@ impl Window {
         }
     }
 
+    /// Whether it was open.
+    pub(super) fn close_help(&mut self) -> bool {
+        self.remapping = None;
+        std::mem::take(&mut self.help)
+    }
+
     pub(super) fn ask_to_close(&mut self) {
         if self.is_changed() {
             self.dialog = Some(Dialog::Discard(After::Close));
+        } else {
+            self.close_without_changes();
+        }
+    }
+
+    pub(super) fn close_without_changes(&mut self) {
+        if self.job.is_some() {
+            self.dialog = Some(Dialog::StopJob);
         } else {
             self.closing = true;
         }
     }
 
     pub(super) fn close_if_asked(&mut self, context: &Context) {
-        if context.input(|i| i.viewport().close_requested()) && !self.closing && self.is_changed() {
-            context.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.dialog = Some(Dialog::Discard(After::Close));
-        } else if self.closing {
+        let asked = context.input(|i| i.viewport().close_requested());
+        if asked && !self.closing {
+            self.ask_to_close();
+        }
+        let writes = Arc::strong_count(&self.writing) > 1;
+        if self.closing && !writes {
             context.send_viewport_cmd(ViewportCommand::Close);
+        } else if asked {
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+        }
+        if self.closing && writes {
+            self.message = Some("a file is being written…".into());
+            context.request_repaint_after(Duration::from_millis(20));
         }
     }
 

@@ -30,6 +30,7 @@ use std::sync::Arc;
 impl Window {
     /// One frame.
     pub(crate) fn ui(&mut self, ui: &mut Ui) {
+        self.view.most_side = Some(ui.input(|i| i.max_texture_side));
         self.receive();
         let before = self.history.as_ref().map(|history| Arc::clone(history.present()));
         let mut draft = before.as_deref().cloned();

@@ -3,7 +3,7 @@
 //! They change a draft of the look; the window compares it with what there was.
 
 use super::widgets::{color, degrees, light, number, row};
-use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Slider, Ui};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Slider, SliderClamping, Ui};
 use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
@@ -90,7 +90,13 @@ pub(super) fn camera(ui: &mut Ui, camera: &mut AuthoredCamera, picking: bool) ->
         if let Some(lens) = camera.kind.lens_mut() {
             row(ui, "Blades", |ui, name| {
                 let mut blades = lens.blades;
-                ui.add(DragValue::new(&mut blades).range(0..=100).speed(0.05)).labelled_by(name);
+                ui.add(
+                    DragValue::new(&mut blades)
+                        .range(0..=100)
+                        .clamp_existing_to_range(false)
+                        .speed(0.05),
+                )
+                .labelled_by(name);
                 // Two edges make no polygon.
                 let more = blades > lens.blades;
                 lens.blades = match blades {
@@ -130,8 +136,11 @@ fn point(ui: &mut Ui, label: &str, point: &mut Vec3) {
     row(ui, label, |ui, name| {
         let speed = f64::from(point.abs().max_element()).max(0.1) * 2e-3;
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
-            let value =
-                DragValue::new(&mut point[i]).speed(speed).range(-1e12..=1e12).max_decimals(3);
+            let value = DragValue::new(&mut point[i])
+                .speed(speed)
+                .range(-1e12..=1e12)
+                .clamp_existing_to_range(false)
+                .max_decimals(3);
             ui.add(value).labelled_by(name).on_hover_text(*axis);
         }
     });
@@ -376,7 +385,6 @@ fn angle(ui: &mut Ui, label: &str, radians: &mut f32, range: std::ops::RangeIncl
     }
 }
 
-/// The sky.
 /// The sky. Returns true where another image of one is to be chosen.
 pub(super) fn environment(
     ui: &mut Ui,
@@ -421,12 +429,17 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
         let settings = &mut look.settings;
         row(ui, "Size", |ui, name| {
             for side in &mut settings.size {
-                let value = DragValue::new(side).range(1..=16_384).update_while_editing(false);
+                let value = DragValue::new(side)
+                    .range(1..=16_384)
+                    .clamp_existing_to_range(false)
+                    .update_while_editing(false);
                 ui.add(value).labelled_by(name);
             }
         });
         row(ui, "Samples per pixel", |ui, name| {
-            let value = DragValue::new(&mut settings.spp).range(1..=1_000_000_u64);
+            let value = DragValue::new(&mut settings.spp)
+                .range(1..=1_000_000_u64)
+                .clamp_existing_to_range(false);
             ui.add(value.update_while_editing(false)).labelled_by(name);
         });
         row(ui, "Longest path", |ui, name| {
@@ -437,7 +450,13 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
             }
             match &mut settings.max_depth {
                 Some(depth) => drop(
-                    ui.add(DragValue::new(depth).range(1..=1000).speed(0.05)).labelled_by(name),
+                    ui.add(
+                        DragValue::new(depth)
+                            .range(1..=1000)
+                            .clamp_existing_to_range(false)
+                            .speed(0.05),
+                    )
+                    .labelled_by(name),
                 ),
                 None => drop(ui.weak("unbounded")),
             }
@@ -456,6 +475,7 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
 pub(super) fn display(ui: &mut Ui, look: &mut Look) {
     row(ui, "Exposure", |ui, name| {
         let slider = Slider::new(&mut look.display.exposure, -8.0..=8.0);
+        let slider = slider.clamping(SliderClamping::Edits);
         ui.add(slider.max_decimals(2)).labelled_by(name);
     });
     choose(ui, "Curve", &mut look.display.curve, &CURVES);

@@ -17,6 +17,7 @@ use eframe::egui::{Context, TextureHandle, Ui};
 use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant_formats::Look;
+use rutilant_formats::camera::AuthoredCamera;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -73,10 +74,20 @@ pub(crate) struct Window {
     pub(super) listing: Listing,
     /// Whether the frame before left the keyboard to a widget.
     pub(super) typing: bool,
+    /// When the wheel was turned last, in seconds.
+    pub(super) scrolled: f64,
+    /// Whether a gesture was going on in the frame before.
+    pub(super) in_gesture: bool,
+    /// Held by whoever writes a file.
+    pub(super) writing: Arc<()>,
     pub(super) filter: String,
     /// The last thing that went wrong, and the last that went well.
     pub(super) trouble: Option<String>,
+    /// Whether the files of the scene that is shown cannot be read as they are now.
+    pub(super) unreadable: bool,
     pub(super) message: Option<String>,
+    /// What is to be told once the scene has been read again.
+    pub(super) then_say: Option<String>,
     pub(super) job: Option<JobState>,
     pub(super) work: (Sender<Work>, Receiver<Work>),
     pub(super) closing: bool,
@@ -90,8 +101,14 @@ pub(super) enum Dialog {
     Sky(String),
     SaveScene(String),
     SaveImage(String),
-    Render { file: String, spp: u64, size: [u32; 2] },
+    Render {
+        file: String,
+        spp: u64,
+        size: [u32; 2],
+    },
     Discard(After),
+    /// Whether the picture that is being rendered for a file is given up.
+    StopJob,
 }
 
 /// What happens once changes may be lost.
@@ -101,13 +118,21 @@ pub(super) enum After {
     Open(Option<PathBuf>),
 }
 
+/// A scene that was written.
+pub(super) struct Saved {
+    /// The file that it was opened from.
+    pub(super) of: Option<PathBuf>,
+    pub(super) look: Arc<Look>,
+    pub(super) text: String,
+}
+
 /// Files that are read or written beside the interface.
 pub(super) enum Work {
     /// Written; a scene with its look and its text.
     Wrote {
         file: PathBuf,
         hash: Option<String>,
-        saved: Option<(Arc<Look>, String)>,
+        saved: Option<Saved>,
     },
     /// An image of a sky, to be used as the sky `like` is.
     Sky {
@@ -116,6 +141,8 @@ pub(super) enum Work {
         like: Environment,
     },
     Beside(Beside),
+    /// A scene was not saved: its file has changed since it was read.
+    Stale(PathBuf),
     Failed(String),
 }
 
@@ -129,7 +156,13 @@ impl Window {
         report: Report,
     ) -> Self {
         theme::apply(context);
-        let preferences = preferences_file.as_deref().map(Preferences::read).unwrap_or_default();
+        let (preferences, broken) = match preferences_file.as_deref().map(Preferences::read) {
+            Some(Ok(preferences)) => (preferences, None),
+            Some(Err(what)) => (Preferences::default(), Some(what)),
+            None => (Preferences::default(), None),
+        };
+        // What its owner may want to mend is not written over.
+        let preferences_file = preferences_file.filter(|_| broken.is_none());
         let wake = context.clone();
         let mut window = Self {
             live: Live::start(threads, move || wake.request_repaint()),
@@ -164,9 +197,14 @@ impl Window {
             dialog: None,
             listing: Listing::default(),
             typing: false,
+            scrolled: f64::NEG_INFINITY,
+            in_gesture: false,
+            writing: Arc::default(),
             filter: String::new(),
             trouble: None,
+            unreadable: false,
             message: None,
+            then_say: broken,
             job: None,
             work: channel(),
             closing: false,
@@ -178,16 +216,28 @@ impl Window {
     /// Makes a changed draft the present look, and tells the rendering.
     pub(super) fn commit(&mut self, ui: &Ui, before: Option<Arc<Look>>, draft: Option<Look>) {
         let Some(history) = &mut self.history else { return };
-        let (pressed, down) = ui.input(|i| (i.pointer.any_pressed(), i.pointer.any_down()));
-        if pressed {
+        /// A wheel that was not turned for so long is turned anew, in seconds.
+        const WHEEL_RESTS: f64 = 0.3;
+        let (pressed, down, time) =
+            ui.input(|i| (i.pointer.any_pressed(), i.pointer.any_down(), i.time));
+        let scrolls = ui.input(|i| i.smooth_scroll_delta().y != 0.0 || i.zoom_delta() != 1.0);
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        let turned_anew = scrolls && time - self.scrolled > WHEEL_RESTS;
+        if scrolls {
+            self.scrolled = time;
+        }
+        if pressed || turned_anew || (typing && !self.typing) {
             self.gesture += 1;
         }
-        let moving = down || self.flight.is_moving();
+        let moving =
+            down || typing || self.flight.is_moving() || time - self.scrolled <= WHEEL_RESTS;
+        // What happens in the frame in which a gesture ends belongs to it.
+        let in_gesture = moving || std::mem::replace(&mut self.in_gesture, moving);
         // Undo, or a file that was read again, has the last word.
         let undone = before.is_none_or(|before| !Arc::ptr_eq(&before, history.present()));
         if let Some(mut draft) = draft.filter(|_| !undone) {
             keep_focus_in_front(&mut draft.camera);
-            history.change(draft, moving.then_some(self.gesture));
+            history.change(draft, in_gesture.then_some(self.gesture));
         }
         if !moving {
             history.end_gesture();
@@ -233,8 +283,10 @@ impl Window {
     /// Whether the look differs from the file's in more than where the camera stands.
     pub(super) fn is_changed(&self) -> bool {
         let (Some(history), Some(saved)) = (&self.history, &self.saved) else { return false };
-        let now = history.present();
-        Look { camera: saved.camera.clone(), ..Look::clone(now) } != **saved
+        let mut now = Look::clone(history.present());
+        let AuthoredCamera { position, look_at, up, .. } = saved.camera;
+        now.camera = AuthoredCamera { position, look_at, up, ..now.camera };
+        now != **saved
     }
 
     pub(super) fn store_snapshot(&mut self) {

@@ -6,7 +6,10 @@ use crate::keys::Action;
 use crate::picture::{Channel, View};
 use crate::source::{BuiltIn, Reading};
 use eframe::egui::accesskit::Role;
-use eframe::egui::{DroppedFile, Key, Modifiers, Ui, pos2, vec2};
+use eframe::egui::{
+    DroppedFile, Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, Ui, pos2,
+    vec2,
+};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use rutilant::image::Image;
@@ -69,14 +72,21 @@ struct Desk {
 
 impl Desk {
     fn new() -> Self {
+        let mut desk = Self::with(SCENE, |_| {});
+        desk.until("a picture", Window::is_settled);
+        desk
+    }
+
+    /// Opened with a scene, and with what `change` does to how it is read.
+    fn with(text: &str, change: impl Fn(&mut Reading) + 'static) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("scene.toml");
-        std::fs::write(&file, SCENE).unwrap();
+        std::fs::write(&file, text).unwrap();
         let happened = Rc::new(RefCell::new(Vec::new()));
         let theirs = Rc::clone(&happened);
         let frame = move |ui: &mut Ui, window: &mut Option<Window>| {
             let window = window.get_or_insert_with(|| {
-                let reading = Reading {
+                let mut reading = Reading {
                     built_in: BuiltIn {
                         file: "built-in.toml",
                         text: SCENE.replace("color = [0.6, 0.7, 0.9]", SKY).leak(),
@@ -88,6 +98,7 @@ impl Desk {
                     size: None,
                     adjust: Arc::new(|_| {}),
                 };
+                change(&mut reading);
                 let report = Rc::clone(&theirs);
                 let report = Box::new(move |what| report.borrow_mut().push(what));
                 Window::new(ui.ctx(), reading, 2, Some(file.clone()), None, report)
@@ -96,7 +107,7 @@ impl Desk {
         };
         let harness = Harness::builder().with_size([900.0, 700.0]).build_ui_state(frame, None);
         let mut desk = Self { folder, harness, happened };
-        desk.until("a picture", Window::is_settled);
+        desk.harness.step();
         desk
     }
 
@@ -531,6 +542,181 @@ fn the_built_in_scene_is_saved_with_its_sky() {
     desk.until("the new file", move |w| w.document.as_ref().unwrap().file == Some(shown.clone()));
     desk.settle();
     assert_eq!(headless(loaded.scene.clone(), &loaded.look()), desk.hash());
+}
+
+/// A flight, a turn of the wheel and a number that is typed are a step each, from where they began to
+/// where they ended.
+#[test]
+fn a_gesture_is_one_step() {
+    let mut desk = Desk::new();
+    let start = desk.look();
+    let undone = |desk: &mut Desk| {
+        assert!(desk.look() != start);
+        (0..3).for_each(|_| desk.harness.step());
+        desk.window_mut().undo();
+        assert_eq!(desk.look(), start);
+        assert!(!desk.window().history.as_ref().unwrap().can_undo());
+    };
+    desk.harness.key_down(Key::W);
+    desk.harness.key_down(Key::ArrowLeft);
+    (0..5).for_each(|_| desk.harness.step());
+    desk.harness.key_up(Key::W);
+    desk.harness.key_up(Key::ArrowLeft);
+    desk.harness.step();
+    undone(&mut desk);
+
+    desk.harness.hover_at(pos2(250.0, 350.0));
+    desk.harness.step();
+    for _ in 0..4 {
+        desk.harness.event(Event::MouseWheel {
+            unit: MouseWheelUnit::Line,
+            delta: vec2(0.0, 1.0),
+            phase: TouchPhase::Move,
+            source: MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        });
+        desk.harness.step();
+    }
+    undone(&mut desk);
+
+    desk.harness.get_by_role_and_label(Role::SpinButton, "Blades").focus();
+    desk.harness.step();
+    for text in ["1", "1", "3"] {
+        desk.harness.event(Event::Text(text.into()));
+        desk.harness.step();
+    }
+    desk.press(Key::Enter);
+    desk.press(Key::Escape);
+    undone(&mut desk);
+}
+
+/// Panels leave alone what lies outside of what they offer.
+#[test]
+fn panels_change_nothing_by_showing_it() {
+    let odd = "spp = 6\nexposure = 12.5\nmax_depth = 123456\nseed = 18446744073709551615";
+    let text = SCENE
+        .replace("spp = 6", odd)
+        .replace("type = \"dielectric\"", "type = \"dielectric\"\nior = 9.5");
+    let mut desk = Desk::with(&text, |_| {});
+    desk.until("a picture", Window::is_settled);
+    for section in ["Lights", "Environment", "Render", "floor  ·  matte", "ball  ·  dielectric"] {
+        desk.click(section);
+    }
+    (0..5).for_each(|_| desk.harness.step());
+    assert!(!desk.window().history.as_ref().unwrap().can_undo());
+    assert!(!desk.window().is_changed());
+}
+
+/// What the command line said is not written into the scene, and is not said of other scenes.
+#[test]
+fn the_command_line_is_not_saved() {
+    let mut desk = Desk::with(SCENE, |reading| {
+        reading.size = Some([20, 15]);
+        reading.adjust = Arc::new(|settings| settings.spp = 2);
+    });
+    desk.until("a picture", Window::is_settled);
+    assert_eq!((desk.look().settings.size, desk.look().settings.spp), ([20, 15], 2));
+    for (seed, words) in [(7, "seed = 7"), (8, "seed = 8")] {
+        desk.window_mut().edit(|look| look.settings.seed = seed);
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+        desk.until("a saved file", |w| !w.is_changed() || w.trouble.is_some());
+        let text = std::fs::read_to_string(desk.file()).unwrap();
+        assert!(text.contains(words), "{text} {:?}", desk.window().trouble);
+        assert!(text.contains("size = [48, 36]") && text.contains("spp = 6"), "{text}");
+    }
+    let other = desk.folder.path().join("other.toml");
+    std::fs::write(&other, SCENE).unwrap();
+    desk.window_mut().open(Some(other), false);
+    desk.until("the other scene", |w| {
+        w.document.as_ref().and_then(|d| d.file.as_ref()).is_some_and(|f| f.ends_with("other.toml"))
+    });
+    assert_eq!((desk.look().settings.size, desk.look().settings.spp), ([48, 36], 6));
+}
+
+/// A scene that cannot be read when the window opens is read once it is mended.
+#[test]
+fn a_broken_first_scene_is_mended() {
+    let mut desk = Desk::with("version = 1\n[camera", |_| {});
+    desk.until("the error", |w| w.trouble.is_some());
+    std::fs::write(desk.file(), SCENE.replace("type = \"matte\"", "type = \"mat\"")).unwrap();
+    desk.until("the next error", |w| w.trouble.as_ref().is_some_and(|t| t.contains("mat")));
+    std::fs::write(desk.file(), SCENE).unwrap();
+    desk.until("a picture", Window::is_settled);
+    assert_eq!(desk.hash(), desk.headless());
+}
+
+/// A mesh that is missing, and comes.
+#[test]
+fn a_missing_file_is_waited_for() {
+    let mut desk = Desk::new();
+    let mesh = "\n[[shape]]\ntype = \"mesh\"\nfile = \"new.obj\"\nmaterial = \"floor\"\n";
+    std::fs::write(desk.file(), format!("{SCENE}{mesh}")).unwrap();
+    desk.until("the error", |w| w.trouble.as_ref().is_some_and(|t| t.contains("new.obj")));
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(desk.folder.path().join("new.obj"), triangle).unwrap();
+    desk.until("the mesh", |w| w.trouble.is_none());
+    desk.settle();
+    assert_eq!(desk.hash(), desk.headless());
+}
+
+/// A link stays a link, and the scene behind it is saved; a change by somebody else is read before
+/// anything is written over it.
+#[cfg(unix)]
+#[test]
+fn links_and_changes_of_others_are_kept() {
+    let mut desk = Desk::new();
+    let link = desk.folder.path().join("link.toml");
+    std::os::unix::fs::symlink(desk.file(), &link).unwrap();
+    desk.window_mut().open(Some(link.clone()), false);
+    desk.until("the link", |w| {
+        w.document.as_ref().and_then(|d| d.file.as_ref()).is_some_and(|f| f.ends_with("link.toml"))
+    });
+    desk.window_mut().edit(|look| look.settings.seed = 7);
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("a saved file", |w| !w.is_changed());
+    assert!(link.symlink_metadata().unwrap().is_symlink());
+    let text = std::fs::read_to_string(desk.file()).unwrap();
+    assert!(text.contains("seed = 7"));
+
+    // The window has not heard of it yet.
+    desk.window_mut().watch = None;
+    std::fs::write(desk.file(), text.replace("spp = 6", "spp = 3")).unwrap();
+    desk.window_mut().edit(|look| look.settings.seed = 9);
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("the refusal", |w| w.trouble.as_ref().is_some_and(|t| t.contains("not saved")));
+    assert_eq!((desk.look().settings.spp, desk.look().settings.seed), (3, 9));
+    assert!(!std::fs::read_to_string(desk.file()).unwrap().contains("seed = 9"));
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("a saved file", |w| !w.is_changed());
+    let text = std::fs::read_to_string(desk.file()).unwrap();
+    assert!(text.contains("seed = 9") && text.contains("spp = 3"));
+}
+
+/// A picture for a file can be given up; closing asks, and waits for what is being written.
+#[test]
+fn closing_loses_nothing_unasked() {
+    let mut desk = Desk::new();
+    let file = desk.folder.path().join("long.exr").display().to_string();
+    let job = Dialog::Render { file, spp: 1_000_000, size: [64, 48] };
+    desk.window_mut().answered(job.clone());
+    desk.until("the job", |w| w.job.is_some());
+    desk.click("Stop");
+    desk.until("its end", |w| w.job.is_none());
+    desk.window_mut().answered(job);
+    desk.until("the job", |w| w.job.is_some());
+    desk.press(Key::Escape);
+    assert!(!desk.window().closing);
+    desk.click("Give it up");
+    assert!(desk.window().closing);
+
+    let mut desk = Desk::new();
+    let file = desk.folder.path().join("shown.exr");
+    desk.window_mut().answered(Dialog::SaveImage(file.display().to_string()));
+    assert!(Arc::strong_count(&desk.window().writing) > 1);
+    desk.until("the file", |w| w.message.as_ref().is_some_and(|m| m.contains("hash")));
+    assert_eq!(Arc::strong_count(&desk.window().writing), 1);
+    let written = rutilant_formats::image::read(&file, &Limits::default()).unwrap();
+    assert_eq!(written.hash(), desk.hash());
 }
 
 /// States of before a reload are gone where materials or images have other numbers since.

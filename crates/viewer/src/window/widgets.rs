@@ -58,13 +58,21 @@ pub(super) fn color(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
 pub(super) fn light(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
     row(ui, label, |ui, name| {
         let strength = rgb.0.into_iter().fold(0.0, f32::max);
-        let mut tint = if strength > 0.0 { rgb.0.map(|c| c / strength) } else { [1.0; 3] };
+        // What was dragged to nothing keeps its colour while it is dragged.
+        let kept = ui.scope_id().with("tint");
+        let tint = |ui: &Ui| ui.data(|data| data.get_temp(kept)).unwrap_or([1.0; 3]);
+        let mut tint = if strength > 0.0 { rgb.0.map(|c| c / strength) } else { tint(ui) };
         let mut amount = strength;
         let colored = ui.color_edit_button_rgb(&mut tint).labelled_by(name).changed();
         let speed = f64::from(strength).max(0.01) * 0.01;
-        let value = DragValue::new(&mut amount).speed(speed).range(0.0..=1e9).max_decimals(4);
+        let value = DragValue::new(&mut amount)
+            .speed(speed)
+            .range(0.0..=1e9)
+            .clamp_existing_to_range(false)
+            .max_decimals(4);
         if ui.add(value).labelled_by(name).changed() || colored {
             rgb.0 = tint.map(|c| (c * amount).clamp(0.0, 1e9));
+            ui.data_mut(|data| data.insert_temp(kept, tint));
         }
     });
 }

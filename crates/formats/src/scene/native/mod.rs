@@ -27,6 +27,7 @@ use super::framing::{bounds_of_all, frame_all};
 use super::loaded::LoadedScene;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
+use crate::limits::Limits;
 use crate::options::ReadOptions;
 use document::Document;
 use draft::Draft;
@@ -37,15 +38,17 @@ use table::Table;
 
 /// Reads a scene from a `.toml` file.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
-    let bytes = file::scene_bytes(path, &options.limits)?;
-    match std::str::from_utf8(&bytes) {
-        Ok(text) => parse(text, path, options),
-        Err(error) => {
-            let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
-            let what = "the text is not UTF-8 here; save the file as UTF-8";
-            Err(Document::new(&good, path).invalid(good.len(), what))
-        }
-    }
+    parse(&text(path, &options.limits)?, path, options)
+}
+
+/// The text of a `.toml` file.
+pub(crate) fn text(path: &Path, limits: &Limits) -> Result<String, SceneError> {
+    String::from_utf8(file::scene_bytes(path, limits)?).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let good = String::from_utf8_lossy(good);
+        let what = "the text is not UTF-8 here; save the file as UTF-8";
+        Document::new(&good, path).invalid(good.len(), what)
+    })
 }
 
 /// Stack for taking apart the deepest tree that gets through the TOML parser's limits: 80 tables
