@@ -232,7 +232,8 @@ impl Window {
         let moving =
             down || typing || self.flight.is_moving() || time - self.scrolled <= WHEEL_RESTS;
         // What happens in the frame in which a gesture ends belongs to it.
-        let in_gesture = moving || std::mem::replace(&mut self.in_gesture, moving);
+        let was_moving = std::mem::replace(&mut self.in_gesture, moving);
+        let in_gesture = moving || was_moving;
         // Undo, or a file that was read again, has the last word.
         let undone = before.is_none_or(|before| !Arc::ptr_eq(&before, history.present()));
         if let Some(mut draft) = draft.filter(|_| !undone) {
