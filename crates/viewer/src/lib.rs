@@ -76,7 +76,16 @@ pub fn run(options: Options) -> Result<(), NoWindow> {
             Ok(Box::new(App { window, frames: FrameTimes::default() }))
         }),
     )
-    .map_err(|error| NoWindow { what: error.to_string() })
+    .map_err(|error| {
+        let what = match error {
+            // Their words tell places in their source.
+            eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
+                "the display that DISPLAY or WAYLAND_DISPLAY names does not answer".into()
+            }
+            other => other.to_string(),
+        };
+        NoWindow { what }
+    })
 }
 
 struct App {

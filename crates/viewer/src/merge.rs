@@ -4,9 +4,11 @@
 //! it, so that one can look around while one writes. Materials are told apart
 //! by their names.
 
+use rutilant::display::Display;
 use rutilant::material::Material;
 use rutilant::settings::Settings;
 use rutilant_formats::Look;
+use rutilant_formats::camera::AuthoredCamera;
 
 /// The look `mine`, which began as `before`, on top of the file's new look `theirs`.
 pub(crate) fn merged(before: &Look, mine: &Look, theirs: &Look) -> Look {
@@ -22,13 +24,29 @@ pub(crate) fn merged(before: &Look, mine: &Look, theirs: &Look) -> Look {
         }
     });
     // Images are numbered anew as well; a sky of the window's own is none of the file's.
+    let pose = |camera: &AuthoredCamera| (camera.position, camera.look_at, camera.up);
+    let [b, m, t] = [before, mine, theirs].map(|look| &look.camera);
+    let (position, look_at, up) = pick(&pose(b), &pose(m), &pose(t));
     Look {
-        camera: pick(&before.camera, &mine.camera, &theirs.camera),
+        camera: AuthoredCamera {
+            name: pick(&b.name, &m.name, &t.name),
+            position,
+            look_at,
+            up,
+            kind: pick(&b.kind, &m.kind, &t.kind),
+        },
         environment: pick(&before.environment, &mine.environment, &theirs.environment),
         materials: materials.collect(),
         lights: pick(&before.lights, &mine.lights, &theirs.lights),
         settings: changed_over(&before.settings, &theirs.settings, &mine.settings),
-        display: pick(&before.display, &mine.display, &theirs.display),
+        display: Display {
+            exposure: pick(
+                &before.display.exposure,
+                &mine.display.exposure,
+                &theirs.display.exposure,
+            ),
+            curve: pick(&before.display.curve, &mine.display.curve, &theirs.display.curve),
+        },
     }
 }
 
@@ -104,8 +122,19 @@ mod tests {
         assert_eq!(all.materials[0], mine.materials[0]);
         assert_eq!(all.materials[1], theirs.materials[1]);
 
+        // The angle of view from the file, the place from the window.
+        theirs.camera.kind = AuthoredCamera::perspective(Vec3::X, Vec3::Z, 20.0).kind;
+        theirs.display.exposure = 2.0;
+        mine.display.curve = rutilant::display::Curve::Agx;
+        let all = merged(&before, &mine, &theirs);
+        assert_eq!(
+            (all.camera.position, all.camera.kind),
+            (mine.camera.position, theirs.camera.kind)
+        );
+        assert_eq!((all.display.exposure, all.display.curve), (2.0, mine.display.curve));
         theirs.camera.position.x = 7.0;
-        assert_eq!(merged(&before, &mine, &theirs).camera, theirs.camera);
+        let all = merged(&before, &mine, &theirs);
+        assert_eq!(all.camera.position, theirs.camera.position);
         theirs.materials.remove(0);
         assert_eq!(merged(&before, &mine, &theirs).materials, theirs.materials);
         assert_eq!(merged(&before, &mine, &before), mine);

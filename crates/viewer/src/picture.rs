@@ -126,7 +126,10 @@ pub(crate) fn develop(image: Arc<Image>, view: &View) -> Developed {
     let (width, height) = (image.width(), image.height());
     let light = image.rgb().unwrap_or_default();
     let numbers = |names: [&str; 3]| names.map(|name| image.channel(name).unwrap_or(&[]));
-    let noise = noise(&light, numbers(["variance.R", "variance.G", "variance.B"]));
+    // A single sample tells nothing of how far it is off.
+    let counts = image.channel("samples.Y").unwrap_or(&[]);
+    let noise = noise(&light, numbers(["variance.R", "variance.G", "variance.B"]))
+        .filter(|_| counts.iter().all(|&count| count > 1.0));
     let gain = view.display.exposure.exp2();
 
     let pixels: Vec<Color32> = match view.channel {

@@ -262,7 +262,7 @@ pub(crate) fn text_of(
         (None, Some(file)) => {
             let before = read_scene(file, &options).map_err(error)?;
             let look = look(&before);
-            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let name = named_from(&folder_of(to), file);
             rutilant_formats::native_for_mesh(&name, to, &options, &before, &look, image_names)
                 .map_err(error)
         }

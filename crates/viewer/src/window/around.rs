@@ -7,7 +7,7 @@ use super::{panels, theme};
 use crate::live::{JobState, Status, target};
 use crate::picture::{BINS, Channel};
 use crate::pose::Axis;
-use eframe::egui::{self, Color32, MenuBar, Panel, ScrollArea, Ui, vec2};
+use eframe::egui::{self, Color32, MenuBar, Panel, ScrollArea, Ui, ViewportCommand, vec2};
 use rutilant_formats::Look;
 use std::path::Path;
 
@@ -36,10 +36,8 @@ impl Window {
                 });
                 ui.menu_button("Camera", |ui| self.camera_menu(ui, draft));
                 ui.menu_button("View", |ui| self.view_menu(ui));
-                if ui.button("Keys").clicked() {
-                    if !self.close_help() {
-                        self.help = true;
-                    }
+                if ui.button("Keys").clicked() && !self.close_help() {
+                    self.help = true;
                 }
                 ui.separator();
                 ui.selectable_value(&mut self.canvas.tool, Tool::Camera, "Move camera");
@@ -53,6 +51,17 @@ impl Window {
                     .on_hover_text("Go on beyond the samples that the scene asks for");
             });
         });
+    }
+
+    /// Says which scene it is, with a star where it is not as in its file.
+    pub(super) fn title(&mut self, context: &egui::Context) {
+        let Some(document) = &self.document else { return };
+        let star = if self.is_touched() { "*" } else { "" };
+        let title = format!("{}{star} – Rutilant", document.name(&self.reading));
+        if title != self.titled {
+            context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.titled = title;
+        }
     }
 
     pub(super) fn file_menu(&mut self, ui: &mut Ui, draft: Option<&Look>) {
@@ -124,8 +133,13 @@ impl Window {
             ui.selectable_value(&mut self.view.channel, channel, name);
         }
         ui.separator();
-        ui.checkbox(&mut self.view.false_color, "False colors");
-        ui.checkbox(&mut self.view.overlay, "Mark what cannot be shown");
+        ui.checkbox(&mut self.view.false_color, "False colours").on_hover_text(
+            "How bright it is, after exposure: from black, eight stops below white, to yellow, \
+             eight above",
+        );
+        ui.checkbox(&mut self.view.overlay, "Mark what cannot be shown").on_hover_text(
+            "Red is brighter than the screen can show, blue is negative, magenta no number",
+        );
         ui.separator();
         if ui.button("Fit in the window").clicked() {
             self.canvas.zoom = None;
@@ -164,7 +178,7 @@ impl Window {
                 self.histogram(ui);
                 self.picking = panels::camera(ui, &mut look.camera, self.picking);
                 panels::materials(ui, &mut look.materials, &mut self.filter);
-                panels::lights(ui, &mut look.lights, look.camera.look_at);
+                panels::lights(ui, &mut look.lights, &look.camera);
                 if panels::environment(ui, &mut look.environment, &self.image_names) {
                     self.dialog = Some(Dialog::Sky(self.folder()));
                 }
@@ -218,6 +232,14 @@ impl Window {
     }
 
     pub(super) fn status_bar(&mut self, ui: &mut Ui) {
+        /// What went well is told for so long, in seconds.
+        const TOLD: f64 = 20.0;
+        let now = ui.input(|i| i.time);
+        if self.said.0 != self.message {
+            self.said = (self.message.clone(), now);
+        } else if self.message.is_some() && now - self.said.1 > TOLD {
+            self.message = None;
+        }
         Panel::bottom("status").show(ui, |ui| {
             ui.horizontal(|ui| {
                 let status = self.live.status();
@@ -264,9 +286,7 @@ impl Window {
         });
         let wanted = wanted.filter(|&wanted| !self.endless && progress.samples <= wanted);
         let of = wanted.map_or(String::new(), |wanted| format!(" of {wanted}"));
-        // One sample tells nothing of how far it is off.
-        let noise = self.shown.as_ref().filter(|_| progress.samples > 1);
-        let noise = noise.and_then(|s| s.picture.noise);
+        let noise = self.shown.as_ref().and_then(|s| s.picture.noise);
         let noise = noise.map_or(String::new(), |n| format!(", noise {:.2} %", 100.0 * n));
         let state = match (self.paused, progress.finished) {
             (true, _) => ", paused",
@@ -279,6 +299,7 @@ impl Window {
             let (count, x, y) = (progress.dropped.count, first.x, first.y);
             format!(", {count} were no numbers and left out, the first in pixel {x}, {y}")
         });
-        format!("{samples}{of} samples, {seconds:.1} s{noise}{dropped}{state}")
+        let unit = if samples == 1 && of.is_empty() { "sample" } else { "samples" };
+        format!("{samples}{of} {unit}, {seconds:.1} s{noise}{dropped}{state}")
     }
 }

@@ -8,7 +8,7 @@ use crate::merge::merged;
 use crate::picture::View;
 use crate::source::{Document, Opening};
 use crate::watch::{Changed, Watch};
-use eframe::egui::{self, TextureOptions, ViewportCommand};
+use eframe::egui::{self, TextureOptions};
 use rutilant_formats::Look;
 use rutilant_formats::camera::FocusOn;
 use std::collections::BTreeSet;
@@ -62,6 +62,9 @@ impl Window {
         while let Ok(work) = self.work.1.try_recv() {
             match work {
                 Work::Wrote { file, hash, saved } => {
+                    if !self.unreadable {
+                        self.trouble = None;
+                    }
                     if let Some(saved) = saved {
                         self.saved_as(&file, saved);
                     }
@@ -191,6 +194,9 @@ impl Window {
             self.watch_files(known, opening.file.as_deref(), &opening.watch);
         }
         self.unreadable = true;
+        if self.then_say.take().is_some() {
+            self.message = Some("not saved: the file cannot be read as it is now".into());
+        }
         self.trouble(what);
     }
 
@@ -254,8 +260,6 @@ impl Window {
         if !again {
             (self.canvas.zoom, self.depth) = (None, None);
         }
-        let title = format!("{} – Rutilant", document.name(&self.reading));
-        self.context.send_viewport_cmd(ViewportCommand::Title(title));
         let seconds = document.took.map(|t| t.as_secs_f64());
         self.message = Some(format!(
             "{} triangles, read in {:.2} s, prepared in {:.2} s",

@@ -3,6 +3,7 @@
 use super::canvas::{Laid, caption};
 use super::state::Window;
 use super::theme;
+use crate::picture::Channel;
 use crate::source::Step;
 use eframe::egui::{self, Align2, Color32, Ui, vec2};
 use rutilant_formats::Look;
@@ -29,7 +30,11 @@ impl Window {
         let Some(shown) = &self.shown else { return };
         let Some(at) = laid.response.hover_pos().filter(|_| self.panels) else { return };
         let Some([x, y]) = laid.pixel(at) else { return };
-        let image = &shown.picture.image;
+        let kept = laid.place(at).is_some_and(|place| place.x >= self.canvas.wipe);
+        let image = match &self.beside {
+            Some(beside) if kept => &beside.image,
+            _ => &shown.picture.image,
+        };
         let scale = |at: u32, from: f32, to: u32| {
             ((at as f32 / from * to as f32) as u32).min(to.max(1) - 1)
         };
@@ -39,8 +44,16 @@ impl Window {
         let i = (py * image.width() + px) as usize;
         let value = |name: &str| image.channel(name).and_then(|c| c.get(i)).copied();
         let [r, g, b] = ["R", "G", "B"].map(|name| value(name).unwrap_or(0.0));
-        let count = value("samples.Y").map_or(String::new(), |n| format!("   {n} samples"));
-        let text = format!("{x}, {y}   {r:.5}  {g:.5}  {b:.5}{count}");
+        let count = value("samples.Y").map_or(String::new(), |n| {
+            format!("   {n} {}", if n == 1.0 { "sample" } else { "samples" })
+        });
+        let error = match (self.view.channel, value("variance.G")) {
+            (Channel::Variance, Some(variance)) => {
+                format!("   G ± {:.5}", variance.max(0.0).sqrt())
+            }
+            _ => String::new(),
+        };
+        let text = format!("{x}, {y}   {r:.5}  {g:.5}  {b:.5}{count}{error}");
         let corner = laid.response.rect.left_bottom() + vec2(8.0, -8.0);
         caption(ui.painter(), corner, Align2::LEFT_BOTTOM, &text);
     }

@@ -2,7 +2,7 @@
 
 use super::listing::Listing;
 use super::state::{After, Beside, Dialog, Window, Work};
-use super::{theme, widgets};
+use super::widgets;
 use crate::keys::{Action, KeyMap};
 use crate::live::Job;
 use eframe::egui::{self, Context, Key, Ui};
@@ -29,8 +29,20 @@ impl Window {
         }
     }
 
+    /// Asks once more where the dialog's file is there already, and is not the scene's own.
     pub(super) fn answered(&mut self, dialog: Dialog) {
+        let own = self.document.as_ref().and_then(|d| d.file.as_deref());
+        match dialog.replaces() {
+            Some(file) if file.exists() && Some(file) != own => {
+                self.dialog = Some(Dialog::Replace(Box::new(dialog)));
+            }
+            _ => self.do_it(dialog),
+        }
+    }
+
+    fn do_it(&mut self, dialog: Dialog) {
         match dialog {
+            Dialog::Replace(dialog) => self.do_it(*dialog),
             Dialog::Open(file) => self.open_if_saved(Some(file.into())),
             Dialog::Compare(file) => self.read_image(file.into(), |file, image| {
                 let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -93,6 +105,23 @@ impl Window {
     }
 }
 
+impl Dialog {
+    /// The file that it writes.
+    fn replaces(&self) -> Option<&Path> {
+        match self {
+            Self::SaveScene(file) | Self::SaveImage(file) | Self::Render { file, .. } => {
+                Some(Path::new(file))
+            }
+            Self::Open(_)
+            | Self::Compare(_)
+            | Self::Sky(_)
+            | Self::Discard(_)
+            | Self::Replace(_)
+            | Self::StopJob => None,
+        }
+    }
+}
+
 /// Asks; true to go on, false to give up.
 pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listing) -> Option<bool> {
     let (title, go_on) = match dialog {
@@ -104,6 +133,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
         Dialog::Render { .. } => ("Render at full quality", "Render"),
         Dialog::Discard(_) => ("The scene has changes that are not saved", "Discard them"),
         Dialog::StopJob => ("A picture is being rendered for a file", "Give it up"),
+        Dialog::Replace(_) => ("This file is there already", "Replace it"),
     };
     /// What can be opened.
     const SCENES: &[&str] = &["toml", "obj", "ply"];
@@ -111,12 +141,13 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
     const IMAGES: &[&str] = &["exr", "hdr", "pfm", "png", "jpg", "jpeg"];
     ui.heading(title);
     let mut entered = false;
-    let (extensions, writes) = match dialog {
-        Dialog::Open(_) => (SCENES, false),
-        Dialog::Compare(_) | Dialog::Sky(_) => (IMAGES, false),
-        Dialog::SaveScene(_) => (&["toml"][..], true),
-        Dialog::SaveImage(_) | Dialog::Render { .. } => (IMAGES, true),
-        Dialog::Discard(_) | Dialog::StopJob => (&[][..], false),
+    let extensions = match dialog {
+        Dialog::Open(_) => SCENES,
+        Dialog::Compare(_) | Dialog::Sky(_) | Dialog::SaveImage(_) | Dialog::Render { .. } => {
+            IMAGES
+        }
+        Dialog::SaveScene(_) => &["toml"],
+        Dialog::Discard(_) | Dialog::StopJob | Dialog::Replace(_) => &[],
     };
     match dialog {
         Dialog::Open(file)
@@ -133,11 +164,10 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
                 response.request_focus();
             }
             entered |= listing.show(ui, file, extensions);
-            if writes {
-                let there = listing.holds(file);
-                let said = if there { "It is there already, and will be replaced." } else { "" };
-                ui.colored_label(theme::NOTE, said);
-            }
+        }
+        Dialog::Replace(dialog) => {
+            let file = dialog.replaces().map(|file| file.display().to_string());
+            ui.label(file.unwrap_or_default());
         }
         Dialog::Discard(_) | Dialog::StopJob => {}
     }

@@ -114,7 +114,7 @@ impl Window {
             let in_place = document.file.as_deref() == Some(&*to);
             if in_place
                 && let Some(text) = &document.text
-                && std::fs::read_to_string(&to).is_ok_and(|now| now != *text)
+                && std::fs::read(&to).is_ok_and(|now| now != text.as_bytes())
             {
                 return Work::Stale(to);
             }

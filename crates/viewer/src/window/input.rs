@@ -5,7 +5,7 @@ use super::report::Happened;
 use super::state::{After, Dialog, Window};
 use crate::keys::Action;
 use crate::pose::{Axis, Pose};
-use eframe::egui::{self, Context, Event, Key, Ui, ViewportCommand};
+use eframe::egui::{self, Context, Event, Key, Popup, Ui, ViewportCommand};
 use rutilant::settings::Roulette;
 use rutilant_formats::Look;
 use rutilant_formats::camera::{AngleOfView, AuthoredCamera, CameraKind, FocusOn};
@@ -174,10 +174,15 @@ impl Window {
 
     /// The topmost thing that is open, or the window.
     pub(super) fn close_something(&mut self) {
+        // A menu hears for itself.
+        if Popup::is_any_open(&self.context) {
+            return;
+        }
         let closed = self.dialog.take().is_some()
             || self.close_help()
             || std::mem::take(&mut self.picking)
-            || self.trouble.take().is_some();
+            || self.trouble.take().is_some()
+            || self.beside.take().is_some();
         if !closed {
             self.ask_to_close();
         }

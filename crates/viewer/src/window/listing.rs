@@ -66,12 +66,6 @@ impl Listing {
         chosen
     }
 
-    /// Whether something of this path is there, as far as is known.
-    pub(super) fn holds(&self, path: &str) -> bool {
-        let (folder, name) = split(path);
-        folder == self.folder && self.entries.iter().any(|entry| entry.name == name)
-    }
-
     /// Reads the folder, if it is another one, and takes what has been read.
     fn follow(&mut self, folder: &str, context: &Context) {
         if !self.known || self.folder != folder {

@@ -43,6 +43,7 @@ impl Window {
         CentralPanel::no_frame().show(ui, |ui| self.picture(ui, draft.as_mut()));
         self.dialogs(ui.ctx());
         self.commit(ui, before, draft);
+        self.title(ui.ctx());
         self.close_if_asked(ui.ctx());
         self.typing = ui.ctx().egui_wants_keyboard_input();
     }

@@ -2,8 +2,8 @@
 //!
 //! They change a draft of the look; the window compares it with what there was.
 
-use super::widgets::{color, degrees, light, number, row};
-use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Slider, SliderClamping, Ui};
+use super::widgets::{color, degrees, drag, light, number, row};
+use eframe::egui::{CollapsingHeader, ComboBox, Slider, SliderClamping, Ui};
 use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
@@ -90,13 +90,7 @@ pub(super) fn camera(ui: &mut Ui, camera: &mut AuthoredCamera, picking: bool) ->
         if let Some(lens) = camera.kind.lens_mut() {
             row(ui, "Blades", |ui, name| {
                 let mut blades = lens.blades;
-                ui.add(
-                    DragValue::new(&mut blades)
-                        .range(0..=100)
-                        .clamp_existing_to_range(false)
-                        .speed(0.05),
-                )
-                .labelled_by(name);
+                ui.add(drag(&mut blades).range(0..=100).speed(0.05)).labelled_by(name);
                 // Two edges make no polygon.
                 let more = blades > lens.blades;
                 lens.blades = match blades {
@@ -120,7 +114,7 @@ pub(super) fn camera(ui: &mut Ui, camera: &mut AuthoredCamera, picking: bool) ->
                 lens.focus = FocusOn::Distance(distance);
             }
             ui.horizontal(|ui| {
-                ui.toggle_value(&mut pick, "Focus on a point…").on_hover_text(
+                ui.toggle_value(&mut pick, "Focus by a click").on_hover_text(
                     "Then click on it, through glass or in mirrors. A double click does the same",
                 );
                 if ui.button("On what it looks at").clicked() {
@@ -136,11 +130,7 @@ fn point(ui: &mut Ui, label: &str, point: &mut Vec3) {
     row(ui, label, |ui, name| {
         let speed = f64::from(point.abs().max_element()).max(0.1) * 2e-3;
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
-            let value = DragValue::new(&mut point[i])
-                .speed(speed)
-                .range(-1e12..=1e12)
-                .clamp_existing_to_range(false)
-                .max_decimals(3);
+            let value = drag(&mut point[i]).speed(speed).range(-1e12..=1e12).max_decimals(3);
             ui.add(value).labelled_by(name).on_hover_text(*axis);
         }
     });
@@ -217,7 +207,7 @@ fn one_material(ui: &mut Ui, material: &mut Material) {
         MaterialKind::Dielectric(m) => dielectric(ui, m),
         MaterialKind::ThinDielectric(m) => {
             number(ui, "Index of refraction", &mut m.ior, 1.0..=3.0, false);
-            color(ui, "Color", &mut m.color);
+            color(ui, "Colour", &mut m.color);
         }
         MaterialKind::Mix(m) => number(ui, "Amount of the second", &mut m.amount, 0.0..=1.0, false),
         MaterialKind::Custom(_) => {
@@ -241,7 +231,7 @@ fn dielectric(ui: &mut Ui, m: &mut Dielectric) {
     }
     match &mut m.interior.absorption {
         Absorption::None => {
-            if ui.button("Give it a color").clicked() {
+            if ui.button("Give it a colour").clicked() {
                 let color = Rgb([0.7, 0.85, 0.8]);
                 m.interior.absorption = Absorption::ColorAtDistance { color, distance: 0.1 };
             }
@@ -249,12 +239,12 @@ fn dielectric(ui: &mut Ui, m: &mut Dielectric) {
         Absorption::Coefficient(sigma) => light(ui, "Absorption, 1/m", sigma),
         Absorption::ColorAtDistance { color: tint, distance } => {
             let before = *tint;
-            color(ui, "Color inside", tint);
+            color(ui, "Colour inside", tint);
             if *tint != before {
                 // Black after any distance would have no coefficient.
                 tint.0 = tint.0.map(|c| c.max(1e-4));
             }
-            number(ui, "after, m", distance, 1e-4..=1e4, true);
+            number(ui, "It has after, m", distance, 1e-4..=1e4, true);
         }
     }
 }
@@ -302,7 +292,8 @@ fn change_kind(ui: &mut Ui, material: &mut Material) {
 }
 
 /// Lights without a surface.
-pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, at: Vec3) {
+/// Those that are added stand where the camera does, and shine where it looks.
+pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, camera: &AuthoredCamera) {
     section(ui, "Lights", false, |ui| {
         let mut removed = None;
         for (i, lamp) in lights.iter_mut().enumerate() {
@@ -356,12 +347,12 @@ pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, at: Vec3) {
         }
         ui.horizontal(|ui| {
             if ui.button("Add a point light").clicked() {
-                lights.push(Light::Point { position: at, intensity: Rgb::grey(10.0) });
+                lights.push(Light::Point { position: camera.position, intensity: Rgb::grey(10.0) });
             }
             if ui.button("Add a spot").clicked() {
                 lights.push(Light::Spot {
-                    position: at + Vec3::Y,
-                    direction: Vec3::NEG_Y,
+                    position: camera.position,
+                    direction: camera.look_at - camera.position,
                     light: SpotLight::Intensity(Rgb::grey(10.0)),
                     inner: 20_f32.to_radians(),
                     outer: 30_f32.to_radians(),
@@ -429,17 +420,12 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
         let settings = &mut look.settings;
         row(ui, "Size", |ui, name| {
             for side in &mut settings.size {
-                let value = DragValue::new(side)
-                    .range(1..=16_384)
-                    .clamp_existing_to_range(false)
-                    .update_while_editing(false);
+                let value = drag(side).range(1..=16_384).update_while_editing(false);
                 ui.add(value).labelled_by(name);
             }
         });
         row(ui, "Samples per pixel", |ui, name| {
-            let value = DragValue::new(&mut settings.spp)
-                .range(1..=1_000_000_u64)
-                .clamp_existing_to_range(false);
+            let value = drag(&mut settings.spp).range(1..=1_000_000_u64);
             ui.add(value.update_while_editing(false)).labelled_by(name);
         });
         row(ui, "Longest path", |ui, name| {
@@ -449,15 +435,9 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
                 settings.max_depth = (bounded || off).then_some(8);
             }
             match &mut settings.max_depth {
-                Some(depth) => drop(
-                    ui.add(
-                        DragValue::new(depth)
-                            .range(1..=1000)
-                            .clamp_existing_to_range(false)
-                            .speed(0.05),
-                    )
-                    .labelled_by(name),
-                ),
+                Some(depth) => {
+                    drop(ui.add(drag(depth).range(1..=1000).speed(0.05)).labelled_by(name));
+                }
                 None => drop(ui.weak("unbounded")),
             }
         });
@@ -465,7 +445,7 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
         let samplers = [(SamplerKind::Sobol, "sobol"), (SamplerKind::Independent, "independent")];
         choose(ui, "Sampler", &mut settings.sampler, &samplers);
         row(ui, "Seed", |ui, name| {
-            ui.add(DragValue::new(&mut settings.seed)).labelled_by(name);
+            ui.add(drag(&mut settings.seed)).labelled_by(name);
         });
         ui.checkbox(&mut settings.caustics, "Caustics by paths from lights");
     });

@@ -86,6 +86,10 @@ pub(crate) struct Window {
     /// Whether the files of the scene that is shown cannot be read as they are now.
     pub(super) unreadable: bool,
     pub(super) message: Option<String>,
+    /// The message that is shown, and since when, in seconds.
+    pub(super) said: (Option<String>, f64),
+    /// The title of the window.
+    pub(super) titled: String,
     /// What is to be told once the scene has been read again.
     pub(super) then_say: Option<String>,
     pub(super) job: Option<JobState>,
@@ -107,6 +111,8 @@ pub(super) enum Dialog {
         size: [u32; 2],
     },
     Discard(After),
+    /// Whether the file that another dialog named is to be replaced.
+    Replace(Box<Dialog>),
     /// Whether the picture that is being rendered for a file is given up.
     StopJob,
 }
@@ -204,6 +210,8 @@ impl Window {
             trouble: None,
             unreadable: false,
             message: None,
+            said: (None, 0.0),
+            titled: String::new(),
             then_say: broken,
             job: None,
             work: channel(),
@@ -279,6 +287,12 @@ impl Window {
         if let Some(history) = &mut self.history {
             history.redo();
         }
+    }
+
+    /// Whether anything differs from the file.
+    pub(super) fn is_touched(&self) -> bool {
+        let (Some(history), Some(saved)) = (&self.history, &self.saved) else { return false };
+        !Arc::ptr_eq(history.present(), saved) && history.present() != saved
     }
 
     /// Whether the look differs from the file's in more than where the camera stands.

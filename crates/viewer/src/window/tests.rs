@@ -381,6 +381,12 @@ fn escape_closes_one_thing_at_a_time() {
     desk.harness.get_by_label("Jump forward");
     desk.press(Key::Escape);
     assert!(!desk.window().help && !desk.window().closing);
+    desk.click("File");
+    desk.press(Key::Escape);
+    assert!(!desk.window().closing && desk.harness.query_by_label("Copy image").is_none());
+    desk.press(Key::B);
+    desk.press(Key::Escape);
+    assert!(!desk.window().closing && desk.window().beside.is_none());
     desk.window_mut().edit(|look| look.environment = None);
     desk.press(Key::Escape);
     assert!(desk.window().dialog.is_some() && !desk.window().closing);
@@ -425,14 +431,20 @@ fn dialogs_offer_files() {
     });
     desk.settle();
 
-    desk.window_mut().dialog = Some(Dialog::SaveImage(desk.file().display().to_string()));
-    let warning = "It is there already, and will be replaced.";
-    while !listed(&desk, warning) {
-        desk.harness.step();
-        std::thread::sleep(Duration::from_millis(4));
-    }
+    // What is there already is not replaced unasked.
+    let there = desk.folder.path().join("there.png");
+    std::fs::write(&there, "mine").unwrap();
+    desk.window_mut().answered(Dialog::SaveImage(there.display().to_string()));
+    desk.harness.step();
+    desk.harness.get_by_label("This file is there already");
     desk.press(Key::Escape);
     assert!(desk.window().dialog.is_none() && !desk.window().closing);
+    assert_eq!(std::fs::read(&there).unwrap(), b"mine");
+    desk.window_mut().answered(Dialog::SaveImage(there.display().to_string()));
+    desk.harness.step();
+    desk.click("Replace it");
+    desk.until("the file", |w| w.message.as_ref().is_some_and(|m| m.contains("wrote")));
+    assert!(std::fs::read(&there).unwrap().starts_with(b"\x89PNG"));
 }
 
 /// Keys can be changed, and mean the new thing at once.
@@ -590,6 +602,20 @@ fn a_gesture_is_one_step() {
     undone(&mut desk);
 }
 
+/// What is typed and no number changes nothing.
+#[test]
+fn nonsense_is_not_typed() {
+    let mut desk = Desk::new();
+    let start = desk.look();
+    for nonsense in ["nan", "inf", "1e400", "x"] {
+        desk.harness.get_by_role_and_label(Role::SpinButton, "Blades").focus();
+        desk.harness.step();
+        desk.harness.event(Event::Text(nonsense.into()));
+        desk.press(Key::Enter);
+        assert_eq!(desk.look(), start, "{nonsense}");
+    }
+}
+
 /// Panels leave alone what lies outside of what they offer.
 #[test]
 fn panels_change_nothing_by_showing_it() {
@@ -657,6 +683,22 @@ fn a_missing_file_is_waited_for() {
     desk.until("the mesh", |w| w.trouble.is_none());
     desk.settle();
     assert_eq!(desk.hash(), desk.headless());
+}
+
+/// A file whose bytes are no text any more is not written over.
+#[test]
+fn what_cannot_be_read_is_not_overwritten() {
+    let mut desk = Desk::new();
+    desk.window_mut().edit(|look| look.settings.seed = 7);
+    let theirs = [b"# M\xfcller\n", SCENE.as_bytes()].concat();
+    std::fs::write(desk.file(), &theirs).unwrap();
+    desk.until("the error", |w| w.trouble.is_some());
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("the answer", |w| w.message.as_ref().is_some_and(|m| m.contains("not saved")));
+    assert_eq!(std::fs::read(desk.file()).unwrap(), theirs);
+    assert!(
+        desk.window().trouble.as_ref().unwrap().contains("scene.toml:1:4: the text is not UTF-8")
+    );
 }
 
 /// A link stays a link, and the scene behind it is saved; a change by somebody else is read before

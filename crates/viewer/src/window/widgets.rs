@@ -1,5 +1,6 @@
 //! Rows of a panel: a label, and something to change.
 
+use eframe::egui::emath::Numeric;
 use eframe::egui::{DragValue, Id, Slider, SliderClamping, Ui};
 use rutilant::color::Rgb;
 use std::ops::RangeInclusive;
@@ -21,6 +22,17 @@ pub(super) fn row<R>(ui: &mut Ui, label: &str, contents: impl FnOnce(&mut Ui, Id
     .inner
 }
 
+/// A number of any kind, to be dragged or typed. What lies outside its range stays as it is until
+/// it is touched, and what is typed and no number changes nothing.
+pub(super) fn drag<N: Numeric>(value: &mut N) -> DragValue<'_> {
+    DragValue::new(value).clamp_existing_to_range(false).custom_parser(finite)
+}
+
+fn finite(text: &str) -> Option<f64> {
+    let text: String = text.chars().filter(|c| !c.is_whitespace() && *c != '°').collect();
+    text.replace('−', "-").parse().ok().filter(|value: &f64| value.is_finite())
+}
+
 /// A number, on a logarithmic slider where its size can be anything. What lies outside the range
 /// stays as it is until it is touched.
 pub(super) fn number(
@@ -32,7 +44,8 @@ pub(super) fn number(
 ) {
     row(ui, label, |ui, name| {
         let slider = Slider::new(value, range).logarithmic(logarithmic).smallest_positive(1e-4);
-        ui.add(slider.clamping(SliderClamping::Edits).max_decimals(4)).labelled_by(name);
+        let slider = slider.clamping(SliderClamping::Edits).custom_parser(finite);
+        ui.add(slider.max_decimals(4)).labelled_by(name);
     });
 }
 
@@ -40,7 +53,8 @@ pub(super) fn number(
 pub(super) fn degrees(ui: &mut Ui, label: &str, value: &mut f32, range: RangeInclusive<f32>) {
     row(ui, label, |ui, name| {
         let slider = Slider::new(value, range).suffix("°").max_decimals(2);
-        ui.add(slider.clamping(SliderClamping::Edits)).labelled_by(name);
+        let slider = slider.clamping(SliderClamping::Edits).custom_parser(finite);
+        ui.add(slider).labelled_by(name);
     });
 }
 
@@ -65,11 +79,7 @@ pub(super) fn light(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
         let mut amount = strength;
         let colored = ui.color_edit_button_rgb(&mut tint).labelled_by(name).changed();
         let speed = f64::from(strength).max(0.01) * 0.01;
-        let value = DragValue::new(&mut amount)
-            .speed(speed)
-            .range(0.0..=1e9)
-            .clamp_existing_to_range(false)
-            .max_decimals(4);
+        let value = drag(&mut amount).speed(speed).range(0.0..=1e9).max_decimals(4);
         if ui.add(value).labelled_by(name).changed() || colored {
             rgb.0 = tint.map(|c| (c * amount).clamp(0.0, 1e9));
             ui.data_mut(|data| data.insert_temp(kept, tint));
