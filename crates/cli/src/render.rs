@@ -223,7 +223,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     // Write. A file that fails must not take the others with it.
     let hash = format!("{:016x}", rendered.image.hash());
     let detail = Detail { bits: args.bits, channels: args.channels };
-    let metadata = metadata(args, &settings, &rendered);
+    let metadata = metadata(&settings, rendered.progress.samples, args.focus_on, args.no_caustics);
     let write =
         |path: &PathBuf| output::write(path, &rendered.image, &display, detail, metadata.clone());
     let (written, writing) =
@@ -356,19 +356,24 @@ const UNBOUNDED: u64 = 1 << 32;
 /// What is kept with the picture: all that the command line can say about it, in the words of
 /// the command line, so that with the scene it can be made again. No times and no file names,
 /// so that equal pictures are equal files.
-fn metadata(args: &Args, settings: &Settings, rendered: &Rendered) -> Vec<(String, String)> {
+pub(crate) fn metadata(
+    settings: &Settings,
+    samples: u64,
+    focus_on: Option<[u32; 2]>,
+    no_caustics: bool,
+) -> Vec<(String, String)> {
     let [width, height] = settings.size;
     let crop = settings.crop.map(|c| format!("{},{},{},{}", c.x, c.y, c.width, c.height));
     [
-        ("spp", Some(rendered.progress.samples.to_string())),
+        ("spp", Some(samples.to_string())),
         ("seed", Some(settings.seed.to_string())),
         ("size", Some(format!("{width}x{height}"))),
         ("crop", crop),
-        ("focus_on", args.focus_on.map(|[x, y]| format!("{x},{y}"))),
+        ("focus_on", focus_on.map(|[x, y]| format!("{x},{y}"))),
         ("integrator", Some(options::name(&Integrator::from(settings.integrator)))),
         ("sampler", Some(options::name(&Sampler::from(settings.sampler)))),
         ("max_depth", settings.max_depth.map(|depth| depth.to_string())),
-        ("no_caustics", args.no_caustics.then(|| "true".to_owned())),
+        ("no_caustics", no_caustics.then(|| "true".to_owned())),
     ]
     .into_iter()
     .filter_map(|(name, value)| Some((name.to_owned(), value?)))

@@ -3,6 +3,7 @@
 use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading};
 use crate::options::{self, Integrator};
+use crate::render::metadata;
 use crate::say::{print_json, print_line, tell};
 use rutilant::settings::Settings;
 use rutilant_viewer::{BuiltIn, FrameTimes, Happened, Options};
@@ -110,7 +111,9 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         drop(if json { print_json(&line(happened, at)) } else { say(happened) });
     };
     let (scene, threads) = (args.scene.clone(), args.threads);
-    rutilant_viewer::run(Options { scene, reading, threads, report: Box::new(report) })
+    let describe: rutilant_viewer::Describe =
+        Arc::new(|settings, samples| metadata(settings, samples, None, !settings.caustics));
+    rutilant_viewer::run(Options { scene, reading, threads, describe, report: Box::new(report) })
         .map_err(|error| Failure::failed(error.to_string()))?;
     Ok(Exit::Done)
 }

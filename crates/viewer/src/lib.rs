@@ -19,11 +19,13 @@ mod watch;
 mod window;
 
 pub use frames::FrameTimes;
+use rutilant::settings::Settings;
 pub use source::{BuiltIn, Reading};
 pub use window::{Happened, Report};
 
 use eframe::egui;
 use std::path::PathBuf;
+use std::sync::Arc;
 use window::Window;
 
 /// What a window is opened with.
@@ -34,9 +36,14 @@ pub struct Options {
     pub reading: Reading,
     /// Threads that render.
     pub threads: usize,
+    /// What is kept with a picture that is written.
+    pub describe: Describe,
     /// Tells what happens in the window.
     pub report: Report,
 }
+
+/// Names and values that are kept with a picture of these settings and so many samples per pixel.
+pub type Describe = Arc<dyn Fn(&Settings, u64) -> Vec<(String, String)> + Send + Sync>;
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
@@ -65,14 +72,15 @@ pub fn run(options: Options) -> Result<(), NoWindow> {
         .with_min_inner_size([320.0, 240.0])
         .with_drag_and_drop(true);
     let native = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
-    let Options { scene, reading, threads, report } = options;
+    let Options { scene, reading, threads, describe, report } = options;
     eframe::run_native(
         "rutilant",
         native,
         Box::new(move |creation| {
             let preferences = prefs::Preferences::usual_file();
             let context = &creation.egui_ctx;
-            let window = Window::new(context, reading, threads, scene, preferences, report);
+            let window =
+                Window::new(context, reading, threads, scene, preferences, describe, report);
             Ok(Box::new(App { window, frames: FrameTimes::default() }))
         }),
     )

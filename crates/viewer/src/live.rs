@@ -79,7 +79,7 @@ pub(crate) enum JobState {
     /// The picture, to be written by whoever asked for it.
     Done {
         image: Arc<Image>,
-        file: PathBuf,
+        job: Job,
         took: Duration,
     },
     Failed {
@@ -93,7 +93,6 @@ pub(crate) struct Shown {
     /// Counts pictures.
     pub(crate) number: u64,
     /// What it shows.
-    #[cfg_attr(not(test), expect(dead_code, reason = "tests ask whether a picture is the newest"))]
     pub(crate) look: Arc<Look>,
     pub(crate) picture: Arc<Developed>,
     /// The picture beside it.
@@ -671,8 +670,8 @@ impl Worker {
         let state = if progress.samples < job.settings.spp {
             JobState::Failed { what: "the rendering broke off".to_owned() }
         } else {
-            let (image, file) = (Arc::new(session.snapshot()), job.file.clone());
-            JobState::Done { image, file, took: since.elapsed() }
+            let (image, job) = (Arc::new(session.snapshot()), job.clone());
+            JobState::Done { image, job, took: since.elapsed() }
         };
         *locked(&self.shared.job) = Some(state);
         self.job = None;

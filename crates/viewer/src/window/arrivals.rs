@@ -135,10 +135,10 @@ impl Window {
 
     pub(super) fn receive_job(&mut self) {
         match self.live.job() {
-            Some(JobState::Done { image, file, took }) => {
+            Some(JobState::Done { image, job, took }) => {
                 self.job = None;
                 self.message = Some(format!("rendered in {:.1} s", took.as_secs_f64()));
-                self.write_image(image, file);
+                self.write_image(image, &job.settings, job.file);
             }
             Some(JobState::Failed { what }) => {
                 self.job = None;

@@ -4,7 +4,7 @@ use super::listing::Listing;
 use super::state::{After, Beside, Dialog, Window, Work};
 use super::widgets;
 use crate::keys::{Action, KeyMap};
-use crate::live::Job;
+use crate::live::{Job, window_settings};
 use eframe::egui::{self, Context, Key, Ui};
 use rutilant::settings::Settings;
 use std::path::Path;
@@ -51,8 +51,11 @@ impl Window {
             Dialog::Sky(file) => self.read_sky(file.into(), self.new_sky()),
             Dialog::SaveScene(file) => self.save_scene(file.into()),
             Dialog::SaveImage(file) => {
-                if let Some(shown) = &self.shown {
-                    self.write_image(Arc::clone(&shown.picture.image), file.into());
+                if let Some(shown) = self.shown.clone() {
+                    let image = Arc::clone(&shown.picture.image);
+                    let integrator = self.view.channel.integrator();
+                    let settings = window_settings(&shown.look.settings, integrator);
+                    self.write_image(image, &settings, file.into());
                 }
             }
             Dialog::Render { file, spp, size } => {

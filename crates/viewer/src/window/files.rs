@@ -7,6 +7,7 @@ use eframe::egui;
 use rutilant::image::Image;
 use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::ImageId;
+use rutilant::settings::Settings;
 use rutilant_formats::image::{Format, Pixels, WriteOptions};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -135,15 +136,19 @@ impl Window {
         });
     }
 
-    pub(super) fn write_image(&mut self, image: Arc<Image>, file: PathBuf) {
+    /// Writes a picture that was rendered with these settings.
+    pub(super) fn write_image(&self, image: Arc<Image>, settings: &Settings, file: PathBuf) {
         let Some(history) = &self.history else { return };
         let display = history.present().display;
+        let counts = image.channel("samples.Y").unwrap_or(&[]);
+        let samples = counts.iter().copied().fold(f32::INFINITY, f32::min);
+        let metadata = (self.describe)(settings, samples as u64);
         let writing = Arc::clone(&self.writing);
         self.beside_the_interface(move || {
             let _writing = writing;
             let hash = Some(format!("{:016x}", image.hash()));
             let (width, height) = (image.width(), image.height());
-            let options = WriteOptions::default();
+            let options = WriteOptions { metadata, ..WriteOptions::default() };
             let for_display = Format::from_path(&file).is_ok_and(Format::is_for_display);
             let written = if for_display {
                 let light = image.rgb().unwrap_or_default();

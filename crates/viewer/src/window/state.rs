@@ -5,6 +5,7 @@ use super::input::keep_focus_in_front;
 use super::listing::Listing;
 use super::report::{Happened, Report};
 use super::theme;
+use crate::Describe;
 use crate::flight::Flight;
 use crate::history::History;
 use crate::keys::{Action, KeyMap};
@@ -31,6 +32,7 @@ pub(super) struct Beside {
 /// Everything behind the window.
 pub(crate) struct Window {
     pub(super) reading: Reading,
+    pub(super) describe: Describe,
     pub(super) live: Live,
     pub(super) context: Context,
     pub(super) report: Report,
@@ -159,6 +161,7 @@ impl Window {
         threads: usize,
         file: Option<PathBuf>,
         preferences_file: Option<PathBuf>,
+        describe: Describe,
         report: Report,
     ) -> Self {
         theme::apply(context);
@@ -179,6 +182,7 @@ impl Window {
             preferences_file,
             remapping: None,
             reading,
+            describe,
             opening: None,
             tried: (None, false),
             document: None,

@@ -2,6 +2,7 @@
 
 use super::report::Happened;
 use super::state::{Dialog, Window};
+use crate::Describe;
 use crate::keys::Action;
 use crate::picture::{Channel, View};
 use crate::source::{BuiltIn, Reading};
@@ -101,7 +102,10 @@ impl Desk {
                 change(&mut reading);
                 let report = Rc::clone(&theirs);
                 let report = Box::new(move |what| report.borrow_mut().push(what));
-                Window::new(ui.ctx(), reading, 2, Some(file.clone()), None, report)
+                let describe: Describe = Arc::new(|settings, samples| {
+                    vec![("seed".into(), format!("{} {samples}", settings.seed))]
+                });
+                Window::new(ui.ctx(), reading, 2, Some(file.clone()), None, describe, report)
             });
             window.ui(ui);
         };
@@ -371,6 +375,8 @@ fn files_have_the_command_lines_hash() {
     assert!(message.ends_with(&format!("hash {hash:016x}")), "{message}");
     let written = rutilant_formats::image::read(&file, &Limits::default()).unwrap();
     assert_eq!((written.width(), written.height()), (31, 17));
+    let bytes = std::fs::read(&file).unwrap();
+    assert!(bytes.windows(3).any(|words| words == b"0 9"), "its seed and samples are kept with it");
 }
 
 /// Escape closes what is open first; with changes it asks before it closes the window.
