@@ -163,7 +163,7 @@ impl Window {
     }
 
     pub(super) fn side_panel(&mut self, ui: &mut Ui, draft: Option<&mut Look>) {
-        Panel::right("panel").default_size(330.0).show(ui, |ui| {
+        Panel::right("panel").default_size(350.0).show(ui, |ui| {
             // What is changed in a scene that is about to be closed would be lost.
             if self.opening.as_ref().is_some_and(|opening| !opening.again) {
                 ui.disable();

@@ -5,6 +5,7 @@ use super::state::{After, Beside, Dialog, Window, Work};
 use super::widgets;
 use crate::keys::{Action, KeyMap};
 use crate::live::{Job, window_settings};
+use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{self, Context, Key, Ui};
 use rutilant::settings::Settings;
 use std::path::Path;
@@ -108,6 +109,15 @@ impl Window {
     }
 }
 
+/// Selects what stands behind the folder in a field, so that what is typed takes its place.
+fn select_name(context: &Context, field: egui::Id, path: &str) {
+    let Some(mut state) = egui::TextEdit::load_state(context, field) else { return };
+    let name = path.rfind(std::path::is_separator).map_or(0, |last| last + 1);
+    let [begin, end] = [&path[..name], path].map(|part| CCursor::new(part.chars().count()));
+    state.cursor.set_char_range(Some(CCursorRange::two(begin, end)));
+    state.store(context, field);
+}
+
 impl Dialog {
     /// The file that it writes.
     fn replaces(&self) -> Option<&Path> {
@@ -165,6 +175,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
             entered = response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
             if !response.has_focus() && !entered && ui.memory(|m| m.focused().is_none()) {
                 response.request_focus();
+                select_name(ui.ctx(), response.id, file);
             }
             entered |= listing.show(ui, file, extensions);
         }

@@ -430,6 +430,16 @@ fn dialogs_offer_files() {
         std::thread::sleep(Duration::from_millis(4));
     }
     assert!(listed(&desk, "scene.toml") && !listed(&desk, "notes.txt"));
+    // What is typed takes the place of the name that was offered.
+    desk.press(Key::Escape);
+    let folder = desk.folder.path().display().to_string();
+    desk.window_mut().dialog = Some(Dialog::SaveImage(format!("{folder}/a.exr")));
+    (0..3).for_each(|_| desk.harness.step());
+    desk.harness.event(Event::Text("b.png".into()));
+    desk.harness.step();
+    assert_eq!(desk.window().dialog, Some(Dialog::SaveImage(format!("{folder}/b.png"))));
+    desk.window_mut().dialog = Some(Dialog::Open(format!("{folder}/")));
+    (0..3).for_each(|_| desk.harness.step());
     desk.click("other.toml");
     desk.click("Open");
     desk.until("the other scene", |w| {
