@@ -9,7 +9,7 @@ use rutilant::settings::Settings;
 use rutilant_viewer::{BuiltIn, FrameTimes, Happened, Options};
 use serde::Serialize;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::time::Instant;
 
 pub(crate) const EXAMPLES: &str = "\
@@ -105,16 +105,23 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         size,
         adjust: Arc::new(adjust),
     };
+    // Printed on a thread of its own: somebody who reads slowly does not hold up the window.
+    let (sender, receiver) = mpsc::channel();
+    let printing = std::thread::spawn(move || {
+        for (happened, at) in receiver {
+            // Somebody who no longer listens is no reason to close the window.
+            drop(if json { print_json(&line(happened, at)) } else { say(happened) });
+        }
+    });
     let report = move |happened: Happened| {
-        let at = start.elapsed().as_secs_f64();
-        // Somebody who no longer listens is no reason to close the window.
-        drop(if json { print_json(&line(happened, at)) } else { say(happened) });
+        drop(sender.send((happened, start.elapsed().as_secs_f64())));
     };
     let (scene, threads) = (args.scene.clone(), args.threads);
     let describe: rutilant_viewer::Describe =
         Arc::new(|settings, samples| metadata(settings, samples, None, !settings.caustics));
     rutilant_viewer::run(Options { scene, reading, threads, describe, report: Box::new(report) })
         .map_err(|error| Failure::failed(error.to_string()))?;
+    drop(printing.join());
     Ok(Exit::Done)
 }
 

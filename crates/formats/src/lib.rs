@@ -18,6 +18,7 @@ pub mod image;
 mod limits;
 mod look;
 mod options;
+mod replace;
 pub mod scene;
 mod shown;
 
@@ -25,6 +26,7 @@ pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use limits::Limits;
 pub use look::Look;
 pub use options::ReadOptions;
+pub use replace::replace_file;
 pub use scene::loaded::LoadedScene;
 
 use std::path::Path;

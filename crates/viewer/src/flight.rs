@@ -31,24 +31,21 @@ pub struct Flight {
 
 impl Flight {
     /// A key went down at `time`, in seconds. Repetitions by the keyboard change nothing.
-    pub fn press(&mut self, action: Action, time: f64, pose: &mut Pose, speed: f64) -> bool {
-        let moved = self.advance(time, pose, speed);
+    pub fn press(&mut self, action: Action, time: f64, pose: &mut Pose, speed: f64) {
+        self.advance(time, pose, speed);
         if velocity(action).is_some() {
             self.held.entry(action).or_insert(1);
         }
-        moved
     }
 
     /// A key went up at `time`.
-    pub fn release(&mut self, action: Action, time: f64, pose: &mut Pose, speed: f64) -> bool {
-        let mut moved = self.advance(time, pose, speed);
+    pub fn release(&mut self, action: Action, time: f64, pose: &mut Pose, speed: f64) {
+        self.advance(time, pose, speed);
         if let Some(owed) = self.held.remove(&action)
             && owed > 0
         {
             step(pose, [action].into_iter(), speed);
-            moved = true;
         }
-        moved
     }
 
     /// All keys count as up: the window lost the keyboard.
@@ -61,20 +58,18 @@ impl Flight {
         !self.held.is_empty()
     }
 
-    /// Moves up to `time`, in seconds; `speed` is in metres per second. Returns whether anything
-    /// moved.
-    pub fn advance(&mut self, time: f64, pose: &mut Pose, speed: f64) -> bool {
+    /// Moves up to `time`, in seconds; `speed` is in metres per second.
+    pub fn advance(&mut self, time: f64, pose: &mut Pose, speed: f64) {
         let now = (time.max(0.0) * STEPS_PER_SECOND) as u64;
         let steps = now.saturating_sub(self.done).min((LONGEST * STEPS_PER_SECOND) as u64);
         self.done = self.done.max(now);
         if steps == 0 || self.held.is_empty() {
-            return false;
+            return;
         }
         for _ in 0..steps {
             step(pose, self.held.keys().copied(), speed);
         }
         self.held.values_mut().for_each(|owed| *owed = owed.saturating_sub(steps));
-        true
     }
 }
 

@@ -13,7 +13,6 @@ mod merge;
 mod picture;
 mod pose;
 mod prefs;
-mod replace;
 mod source;
 mod watch;
 mod window;

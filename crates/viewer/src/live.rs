@@ -208,6 +208,11 @@ impl Live {
         locked(&self.shared.shown).clone()
     }
 
+    /// Whether the thread has ended on its own: it never should.
+    pub(crate) fn is_broken(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
+    }
+
     pub(crate) fn status(&self) -> Status {
         locked(&self.shared.status).clone()
     }
@@ -490,7 +495,8 @@ impl Worker {
         if Arc::ptr_eq(before, look) {
             return Ok(());
         }
-        look.settings.validate()?;
+        // A crop is overlooked here.
+        Settings { crop: None, ..look.settings.clone() }.validate()?;
         let camera = look.camera.camera(look.settings.size)?;
         let Some(scene) = &mut self.scene else { return Ok(()) };
         let next = if same_light(before, look) {
@@ -502,7 +508,7 @@ impl Worker {
             scene.lights.clone_from(&look.lights);
             prepared.edited(scene)?
         };
-        let missed = next.notes_for(&look.settings);
+        let missed = next.notes_for(&window_settings(&look.settings, None));
         let notes = next.report().notes.iter().chain(&missed).map(ToString::to_string).collect();
         (*prepared, *before) = (Arc::new(next), Arc::clone(look));
         self.set_status(|status| status.notes = notes);
@@ -547,7 +553,8 @@ impl Worker {
             return;
         }
         let left = PATIENCE.saturating_sub(running.spent());
-        if running.session.wait(left) || running.session.progress().samples > 0 {
+        running.session.wait(left);
+        if running.session.progress().samples > 0 {
             self.show();
         }
     }
@@ -575,7 +582,7 @@ impl Worker {
             if !progress.panicked {
                 self.steer();
             }
-        } else if progress.finished {
+        } else if progress.finished && (progress.samples > 0 || progress.panicked) {
             self.ladder.learn(progress.paths, spent);
             if news {
                 self.show();

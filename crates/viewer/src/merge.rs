@@ -15,8 +15,12 @@ pub(crate) fn merged(before: &Look, mine: &Look, theirs: &Look) -> Look {
     fn pick<T: PartialEq + Clone>(before: &T, mine: &T, theirs: &T) -> T {
         if before == theirs { mine.clone() } else { theirs.clone() }
     }
-    let materials = theirs.materials.iter().map(|theirs| {
-        let named = |all: &[Material]| all.iter().find(|m| m.name == theirs.name).cloned();
+    let all = &theirs.materials;
+    let materials = all.iter().enumerate().map(|(index, theirs)| {
+        // Names may repeat, and parts of mixes have none: the first goes with the first.
+        let before_it = |m: &&Material| m.name == theirs.name;
+        let number = all[..index].iter().filter(before_it).count();
+        let named = |all: &[Material]| all.iter().filter(before_it).nth(number).cloned();
         match (named(&before.materials), named(&mine.materials)) {
             // A mix names others by number, which may have moved.
             (Some(before), Some(mine)) if before == *theirs && !is_mix(&mine) => mine,
@@ -138,5 +142,17 @@ mod tests {
         theirs.materials.remove(0);
         assert_eq!(merged(&before, &mine, &theirs).materials, theirs.materials);
         assert_eq!(merged(&before, &mine, &before), mine);
+    }
+
+    /// Materials without a name, as parts of mixes are, are told apart by their order.
+    #[test]
+    fn equal_names_keep_their_order() {
+        let nameless = |albedo: f32| Material::from(Matte::new(Rgb::grey(albedo)));
+        let mut before = look(0.5, 16, 1.0);
+        before.materials = vec![nameless(0.1), nameless(0.2)];
+        let mut mine = before.clone();
+        mine.materials[1] = nameless(0.7);
+        let theirs = before.clone();
+        assert_eq!(merged(&before, &mine, &theirs).materials, mine.materials);
     }
 }

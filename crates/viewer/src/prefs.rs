@@ -5,7 +5,6 @@
 //! is left as it is.
 
 use crate::keys::KeyMap;
-use crate::replace::replace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -51,7 +50,7 @@ impl Preferences {
         if let Some(folder) = file.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        replace(file, text.as_bytes())
+        rutilant_formats::replace_file(file, text.as_bytes())
     }
 
     /// A file that was opened is the newest.
@@ -62,8 +61,9 @@ impl Preferences {
         self.recent.truncate(MOST_RECENT);
     }
 
-    pub(crate) fn key_map(&self) -> KeyMap {
-        KeyMap::from_names(&self.keys).0
+    /// The keys, and the lines that mean nothing.
+    pub(crate) fn key_map(&self) -> (KeyMap, Vec<String>) {
+        KeyMap::from_names(&self.keys)
     }
 }
 

@@ -152,7 +152,9 @@ pub(crate) fn open(
     if let Some(size) = reading.size {
         loaded.settings.size = size;
     }
-    loaded.settings.validate().map_err(|problem| problem.to_string())?;
+    // The window overlooks a crop.
+    let whole = Settings { crop: None, ..loaded.settings.clone() };
+    whole.validate().map_err(|problem| problem.to_string())?;
     let read = begin.elapsed();
 
     let triangles = loaded.scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
@@ -252,11 +254,11 @@ pub(crate) fn text_of(
     let image_names: Vec<String> = own.iter().cloned().chain(added).collect();
     let image_names = &*image_names;
     match (&document.text, &document.file) {
-        (Some(text), file) => {
-            let file = file.as_deref().unwrap_or(to);
-            let before = parse_native(text, file, &options).map_err(error)?;
+        (Some(text), _) => {
+            // All that it names must be found from where it will stand.
+            let before = parse_native(text, to, &options).map_err(error)?;
             let look = look(&before);
-            rutilant_formats::rewrite(text, file, &options, &before, &look, image_names)
+            rutilant_formats::rewrite(text, to, &options, &before, &look, image_names)
                 .map_err(error)
         }
         (None, Some(file)) => {

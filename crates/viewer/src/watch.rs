@@ -4,7 +4,8 @@
 //! it. A change is told once it has been quiet for a moment, so that a file is
 //! not read half written.
 
-use notify::{RecommendedWatcher, RecursiveMode, Watcher};
+use notify::event::{MetadataKind, ModifyKind};
+use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -63,7 +64,9 @@ impl Watch {
                 files.contains(*path) || (all_in.is_some() && path.parent() == all_in.as_deref())
             };
             let touched: Vec<_> = event.paths.iter().filter(watched).collect();
-            if touched.is_empty() || matches!(event.kind, notify::EventKind::Access(_)) {
+            let metadata = EventKind::Modify(ModifyKind::Metadata(MetadataKind::Any));
+            let harmless = matches!(event.kind, EventKind::Access(_)) || event.kind == metadata;
+            if touched.is_empty() || harmless {
                 return;
             }
             let mut changes = theirs.lock().unwrap_or_else(PoisonError::into_inner);

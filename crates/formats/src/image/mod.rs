@@ -21,7 +21,6 @@ mod jpeg;
 mod options;
 mod pfm;
 mod png;
-mod replace;
 mod srgb;
 
 pub use format::Format;
@@ -30,7 +29,7 @@ pub use options::{Pixels, Precision, WriteOptions};
 use crate::error::ImageError;
 use crate::file;
 use crate::limits::Limits;
-use replace::{replace, target, temporary};
+use crate::replace::{replace_file, target, temporary};
 use rutilant::image::Image;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -128,7 +127,7 @@ pub fn write<'a>(
         )),
     })
     .map_err(error)?;
-    replace(path, &bytes).map_err(|e| error(format!("cannot write: {e}")))
+    replace_file(path, &bytes).map_err(|e| error(format!("cannot write: {e}")))
 }
 
 /// Checks that [`write()`] to `path` will most likely succeed, so that nobody waits for a picture

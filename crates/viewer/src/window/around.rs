@@ -81,6 +81,9 @@ impl Window {
         if ui.add(egui::Button::new("Save scene").shortcut_text("Ctrl+S")).clicked() {
             self.save();
         }
+        if ui.button("Save scene as…").clicked() {
+            self.save_as();
+        }
         ui.separator();
         let stem = self.document.as_ref().map(|d| d.name(&self.reading)).unwrap_or_default();
         let stem = Path::new(&stem).with_extension("").display().to_string();
@@ -115,7 +118,11 @@ impl Window {
                 look.camera = camera.clone();
             }
         }
+        if ui.button("Copy as TOML").clicked() {
+            self.print_pose(look);
+        }
         ui.separator();
+        let Some(document) = &self.document else { return };
         let mut pose = pose_of(look);
         if ui.button("See everything").clicked() {
             see_all(look, &mut pose, &document.bounds, None);
@@ -142,7 +149,7 @@ impl Window {
         );
         ui.separator();
         if ui.button("Fit in the window").clicked() {
-            self.canvas.zoom = None;
+            (self.canvas.zoom, self.canvas.offset) = (None, egui::Vec2::ZERO);
         }
         if ui.button("Pixel by pixel").clicked() {
             (self.canvas.zoom, self.canvas.offset) =
@@ -290,6 +297,7 @@ impl Window {
         let noise = noise.map_or(String::new(), |n| format!(", noise {:.2} %", 100.0 * n));
         let state = match (self.paused, progress.finished) {
             (true, _) => ", paused",
+            (_, true) if progress.panicked => ", broken off",
             (_, true) => ", done",
             _ => "",
         };

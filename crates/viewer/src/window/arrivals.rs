@@ -100,6 +100,10 @@ impl Window {
                 self.message = Some(format!("focused {distance:.4} m away"));
             }
         }
+        if self.live.is_broken() && !self.broken {
+            self.broken = true;
+            self.trouble("the rendering broke off; please save, and report it as a bug".into());
+        }
         self.receive_job();
         self.receive_picture();
     }
@@ -258,7 +262,8 @@ impl Window {
             self.keep_preferences();
         }
         if !again {
-            (self.canvas.zoom, self.depth) = (None, None);
+            (self.canvas.zoom, self.canvas.offset) = (None, egui::Vec2::ZERO);
+            self.depth = None;
         }
         let seconds = document.took.map(|t| t.as_secs_f64());
         self.message = Some(format!(

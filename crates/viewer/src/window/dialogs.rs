@@ -1,7 +1,7 @@
 //! Questions to the user: which file, how large, and whether changes may be lost.
 
 use super::listing::Listing;
-use super::state::{After, Beside, Dialog, Window, Work};
+use super::state::{After, Beside, Dialog, Window, Work, too_large};
 use super::widgets;
 use crate::keys::{Action, KeyMap};
 use crate::live::{Job, window_settings};
@@ -33,12 +33,28 @@ impl Window {
     /// Asks once more where the dialog's file is there already, and is not the scene's own.
     pub(super) fn answered(&mut self, dialog: Dialog) {
         let own = self.document.as_ref().and_then(|d| d.file.as_deref());
+        let read = |file: &Path| self.reads(file, matches!(dialog, Dialog::SaveScene(_)));
         match dialog.replaces() {
+            Some(file) if read(file) => {
+                let what = format!("{}: the scene reads this file", file.display());
+                self.trouble(what);
+            }
             Some(file) if file.exists() && Some(file) != own => {
                 self.dialog = Some(Dialog::Replace(Box::new(dialog)));
             }
             _ => self.do_it(dialog),
         }
+    }
+
+    /// Whether the scene that is shown is made of a file; its own one may be another scene's place.
+    fn reads(&self, file: &Path, may_be_own: bool) -> bool {
+        let (Some(document), Ok(file)) = (&self.document, file.canonicalize()) else {
+            return false;
+        };
+        let own = document.file.as_ref().and_then(|own| own.canonicalize().ok());
+        let is_own = own.as_ref() == Some(&file);
+        (is_own && (!may_be_own || document.text.is_none()))
+            || (!is_own && document.files.contains(&file))
     }
 
     fn do_it(&mut self, dialog: Dialog) {
@@ -62,9 +78,15 @@ impl Window {
             Dialog::Render { file, spp, size } => {
                 if let Some(history) = &self.history {
                     let settings = Settings { spp, size, ..history.present().settings.clone() };
-                    match rutilant_formats::image::check_writable(Path::new(&file)) {
+                    let path = Path::new(&file);
+                    let fits = rutilant_formats::image::check_size(path, size[0], size[1]);
+                    let fits = fits.and_then(|()| rutilant_formats::image::check_writable(path));
+                    match fits.map_err(|error| error.to_string()) {
+                        _ if too_large(size, &self.reading.limits).is_some() => {
+                            self.message = too_large(size, &self.reading.limits);
+                        }
                         Ok(()) => self.live.begin_job(Job { settings, file: file.into() }),
-                        Err(error) => self.trouble(error.to_string()),
+                        Err(what) => self.trouble(what),
                     }
                 }
             }

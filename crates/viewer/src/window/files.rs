@@ -1,7 +1,6 @@
 //! What is read from files and written into them, beside the interface.
 
 use super::state::{Dialog, Saved, Window, Work};
-use crate::replace::replace;
 use crate::source::{named_from, text_of};
 use eframe::egui;
 use rutilant::image::Image;
@@ -9,6 +8,7 @@ use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::ImageId;
 use rutilant::settings::Settings;
 use rutilant_formats::image::{Format, Pixels, WriteOptions};
+use rutilant_formats::replace_file;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -97,12 +97,14 @@ impl Window {
         let Some(document) = &self.document else { return };
         match &document.file {
             Some(file) if document.text.is_some() => self.save_scene(file.clone()),
-            _ => {
-                let stem = Path::new(&document.name(&self.reading)).with_extension("toml");
-                self.dialog =
-                    Some(Dialog::SaveScene(format!("{}{}", self.folder(), stem.display())));
-            }
+            _ => self.save_as(),
         }
+    }
+
+    pub(super) fn save_as(&mut self) {
+        let Some(document) = &self.document else { return };
+        let stem = Path::new(&document.name(&self.reading)).with_extension("toml");
+        self.dialog = Some(Dialog::SaveScene(format!("{}{}", self.folder(), stem.display())));
     }
 
     pub(super) fn save_scene(&mut self, to: PathBuf) {
@@ -180,12 +182,14 @@ fn write_scene<'i>(
     images: impl Iterator<Item = &'i (&'i str, &'i [u8])>,
 ) -> Result<(), String> {
     let failed = |file: &Path, error: std::io::Error| format!("{}: {error}", file.display());
-    replace(file, text.as_bytes()).map_err(|error| failed(file, error))?;
+    replace_file(file, text.as_bytes()).map_err(|error| failed(file, error))?;
     for (name, bytes) in images {
         let image = file.with_file_name(name);
         if !image.exists() {
             let folder = image.parent().map_or(Ok(()), std::fs::create_dir_all);
-            folder.and_then(|()| replace(&image, bytes)).map_err(|error| failed(&image, error))?;
+            folder
+                .and_then(|()| replace_file(&image, bytes))
+                .map_err(|error| failed(&image, error))?;
         }
     }
     Ok(())

@@ -123,10 +123,7 @@ impl Window {
             Action::PrintPose => {
                 if let (Some(pose), Some(look)) = (pose, look) {
                     put_pose(look, *pose);
-                    let toml = look.camera.to_toml();
-                    self.context.copy_text(toml.clone());
-                    self.message = Some("the camera is in the clipboard".into());
-                    (self.report)(Happened::Pose { toml });
+                    self.print_pose(look);
                 }
             }
             Action::Pause => self.paused = !self.paused,
@@ -158,6 +155,13 @@ impl Window {
     }
 
     /// Shows direct light alone, or all light again.
+    pub(super) fn print_pose(&mut self, look: &Look) {
+        let toml = look.camera.to_toml();
+        self.context.copy_text(toml.clone());
+        self.message = Some("the camera is in the clipboard".into());
+        (self.report)(Happened::Pose { toml });
+    }
+
     fn toggle_depth(&mut self, look: &mut Look) {
         /// Paths of this length have met a lamp by themselves or after one surface.
         const DIRECT: Option<u32> = Some(2);

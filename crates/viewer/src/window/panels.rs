@@ -11,7 +11,7 @@ use rutilant::material::{
     Absorption, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Metal, Mirror,
     ThinDielectric,
 };
-use rutilant::settings::{IntegratorKind, SamplerKind};
+use rutilant::settings::{Heuristic, IntegratorKind, Roulette, SamplerKind};
 use rutilant_formats::Look;
 use rutilant_formats::camera::{AngleOfView, Aperture, AuthoredCamera, CameraKind, FocusOn};
 use rutilant_geom::Vec3;
@@ -106,7 +106,10 @@ pub(super) fn camera(ui: &mut Ui, camera: &mut AuthoredCamera, picking: bool) ->
             });
             let mut distance = match lens.focus {
                 FocusOn::Distance(distance) => distance,
-                FocusOn::LookAt | FocusOn::Point(_) | FocusOn::Pixel(_) => along,
+                FocusOn::Point(at) => {
+                    (at - camera.position).dot(camera.look_at - camera.position) / along
+                }
+                FocusOn::LookAt | FocusOn::Pixel(_) => along,
             };
             let before = distance;
             number(ui, "Focus distance, m", &mut distance, 1e-3..=1e6, true);
@@ -431,7 +434,7 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
         row(ui, "Longest path", |ui, name| {
             let mut bounded = settings.max_depth.is_some();
             if ui.checkbox(&mut bounded, "").labelled_by(name).changed() {
-                let off = settings.roulette == rutilant::settings::Roulette::Off;
+                let off = settings.roulette == Roulette::Off;
                 settings.max_depth = (bounded || off).then_some(8);
             }
             match &mut settings.max_depth {
@@ -444,6 +447,22 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
         choose(ui, "Integrator", &mut settings.integrator, &INTEGRATORS);
         let samplers = [(SamplerKind::Sobol, "sobol"), (SamplerKind::Independent, "independent")];
         choose(ui, "Sampler", &mut settings.sampler, &samplers);
+        let heuristics = [
+            (Heuristic::Balance, "balance"),
+            (Heuristic::Power, "power"),
+            (Heuristic::Optimal, "optimal"),
+        ];
+        choose(ui, "Heuristic", &mut settings.heuristic, &heuristics);
+        let roulettes = [
+            (Roulette::Throughput, "throughput"),
+            (Roulette::Albedo, "albedo"),
+            (Roulette::Off, "off"),
+        ];
+        choose(ui, "Roulette", &mut settings.roulette, &roulettes);
+        if settings.roulette == Roulette::Off {
+            // Something must end the paths.
+            settings.max_depth = settings.max_depth.or(Some(32));
+        }
         row(ui, "Seed", |ui, name| {
             ui.add(drag(&mut settings.seed)).labelled_by(name);
         });

@@ -17,9 +17,9 @@ use crate::watch::Watch;
 use eframe::egui::{Context, TextureHandle, Ui};
 use rutilant::image::Image;
 use rutilant::light::Environment;
-use rutilant_formats::Look;
 use rutilant_formats::camera::AuthoredCamera;
-use std::path::PathBuf;
+use rutilant_formats::{Limits, Look};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -87,6 +87,8 @@ pub(crate) struct Window {
     pub(super) trouble: Option<String>,
     /// Whether the files of the scene that is shown cannot be read as they are now.
     pub(super) unreadable: bool,
+    /// Whether nothing is rendered any more.
+    pub(super) broken: bool,
     pub(super) message: Option<String>,
     /// The message that is shown, and since when, in seconds.
     pub(super) said: (Option<String>, f64),
@@ -172,12 +174,17 @@ impl Window {
         };
         // What its owner may want to mend is not written over.
         let preferences_file = preferences_file.filter(|_| broken.is_none());
+        let (keys, unknown) = preferences.key_map();
+        let unknown = unknown.first().map(|line| {
+            let file = preferences_file.as_deref().unwrap_or(Path::new("window.toml"));
+            format!("{}: {line} means nothing here", file.display())
+        });
         let wake = context.clone();
         let mut window = Self {
             live: Live::start(threads, move || wake.request_repaint()),
             context: context.clone(),
             report,
-            keys: preferences.key_map(),
+            keys,
             preferences,
             preferences_file,
             remapping: None,
@@ -213,10 +220,11 @@ impl Window {
             filter: String::new(),
             trouble: None,
             unreadable: false,
+            broken: false,
             message: None,
             said: (None, 0.0),
             titled: String::new(),
-            then_say: broken,
+            then_say: broken.or(unknown),
             job: None,
             work: channel(),
             closing: false,
@@ -250,6 +258,13 @@ impl Window {
         let undone = before.is_none_or(|before| !Arc::ptr_eq(&before, history.present()));
         if let Some(mut draft) = draft.filter(|_| !undone) {
             keep_focus_in_front(&mut draft.camera);
+            let size = &mut draft.settings.size;
+            if *size != history.present().settings.size
+                && let Some(what) = too_large(*size, &self.reading.limits)
+            {
+                *size = history.present().settings.size;
+                self.message = Some(what);
+            }
             history.change(draft, in_gesture.then_some(self.gesture));
         }
         if !moving {
@@ -326,4 +341,14 @@ impl Window {
             drop(self.preferences.write(file));
         }
     }
+}
+
+/// What is said of a picture that has more pixels than a scene may ask for.
+pub(super) fn too_large([width, height]: [u32; 2], limits: &Limits) -> Option<String> {
+    let (pixels, most) = (u64::from(width) * u64::from(height), limits.picture);
+    (pixels > most).then(|| {
+        format!(
+            "{width}x{height} are {pixels} pixels, and {most} are the limit; --limit picture=N sets it"
+        )
+    })
 }

@@ -5,8 +5,12 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Puts `bytes` where `path` is, as a whole or not at all.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Puts `bytes` where `path` is, as a whole or not at all: they are written under another name in the
+/// same folder, brought to the disk, and renamed. A symbolic link stays one.
+///
+/// # Errors
+/// A folder that is not there or takes no files, a file that is read-only or not a regular one.
+pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = target(path)?;
     let mut new = temporary(&target)?;
     // Not through the name's own `Write`, whose errors speak of the temporary name.
@@ -24,7 +28,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// The file that `path` means: symbolic links are followed, so that they stay what they are.
-pub(super) fn target(path: &Path) -> io::Result<PathBuf> {
+pub(crate) fn target(path: &Path) -> io::Result<PathBuf> {
     let target = match path.canonicalize() {
         Ok(there) => there,
         // What hinders it beyond that, the folder will show.
@@ -44,7 +48,7 @@ pub(super) fn target(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// A new file next to `target`, which is gone again if it is dropped.
-pub(super) fn temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
+pub(crate) fn temporary(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = file::folder(target);
     if !folder.is_dir() {
         let what = if folder.exists() {
