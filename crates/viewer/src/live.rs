@@ -10,6 +10,7 @@
 
 use crate::ladder::{Ladder, reduced};
 use crate::picture::{Developed, View, develop, filled};
+use rutilant::display::Display;
 use rutilant::focus::Focus;
 use rutilant::image::Image;
 use rutilant::scene::{Scene, SceneProblem};
@@ -66,6 +67,8 @@ impl Wish {
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
     pub(crate) settings: Settings,
+    /// How it is shown to eyes, where the file is for these.
+    pub(crate) display: Display,
     /// Where it is to be written.
     pub(crate) file: PathBuf,
 }
@@ -73,6 +76,8 @@ pub(crate) struct Job {
 /// How far a [`Job`] has come.
 #[derive(Clone, Debug)]
 pub(crate) enum JobState {
+    /// It has not begun.
+    Waiting,
     Running {
         progress: Progress,
     },
@@ -94,6 +99,8 @@ pub(crate) struct Shown {
     pub(crate) number: u64,
     /// What it shows.
     pub(crate) look: Arc<Look>,
+    /// How it was rendered.
+    pub(crate) settings: Arc<Settings>,
     pub(crate) picture: Arc<Developed>,
     /// The picture beside it.
     pub(crate) beside: Option<Arc<Developed>>,
@@ -167,7 +174,11 @@ impl Live {
     pub(crate) fn stage(&self, stage: Stage, wish: Wish) {
         self.tell(|inbox| {
             inbox.images.clear();
-            (inbox.job, inbox.focus) = (None, None);
+            inbox.focus = None;
+            if inbox.job.take().is_some() {
+                let what = "another scene was opened before it began".to_owned();
+                *locked(&self.shared.job) = Some(JobState::Failed { what });
+            }
             inbox.stage = Some(Box::new(stage));
             inbox.wish = Some(wish);
         });
@@ -183,9 +194,17 @@ impl Live {
         self.tell(|inbox| inbox.images.push(image));
     }
 
-    /// Renders a picture for a file.
-    pub(crate) fn begin_job(&self, job: Job) {
+    /// Renders a picture for a file; false, and nothing, where another is on its way.
+    pub(crate) fn begin_job(&self, job: Job) -> bool {
+        {
+            let mut state = locked(&self.shared.job);
+            if state.is_some() {
+                return false;
+            }
+            *state = Some(JobState::Waiting);
+        }
         self.tell(|inbox| (inbox.job, inbox.stop_job) = (Some(job), false));
+        true
     }
 
     /// Gives up the picture for a file.
@@ -221,7 +240,7 @@ impl Live {
     pub(crate) fn job(&self) -> Option<JobState> {
         let mut job = locked(&self.shared.job);
         match &*job {
-            Some(JobState::Running { .. }) => job.clone(),
+            Some(JobState::Waiting | JobState::Running { .. }) => job.clone(),
             Some(JobState::Done { .. } | JobState::Failed { .. }) | None => job.take(),
         }
     }
@@ -246,6 +265,7 @@ impl Drop for Live {
 struct Running {
     session: Session,
     look: Arc<Look>,
+    settings: Arc<Settings>,
     /// What it renders instead of what the scene asks for.
     integrator: Option<IntegratorKind>,
     divisor: u32,
@@ -538,11 +558,22 @@ impl Worker {
             }
         };
         // The settings have been found to be good.
-        let session = Session::start(Arc::clone(prepared), settings, self.threads).ok()?;
+        let session = Session::start(Arc::clone(prepared), settings.clone(), self.threads).ok()?;
+        let settings = Arc::new(settings);
         let since = Some(Instant::now());
         let look = Arc::clone(look);
         let spent = Duration::ZERO;
-        Some(Running { session, look, integrator, divisor, first, since, spent, shown: None })
+        Some(Running {
+            session,
+            look,
+            settings,
+            integrator,
+            divisor,
+            first,
+            since,
+            spent,
+            shown: None,
+        })
     }
 
     /// Waits for the first picture after a change, but not for ever.
@@ -618,10 +649,10 @@ impl Worker {
         }
         running.shown = Some(paths);
         let picture = Arc::new(develop(image, &wish.view));
-        let look = Arc::clone(&running.look);
+        let (look, settings) = (Arc::clone(&running.look), Arc::clone(&running.settings));
         let beside = self.develop_beside();
         self.number += 1;
-        let shown = Shown { number: self.number, look, picture, beside };
+        let shown = Shown { number: self.number, look, settings, picture, beside };
         *locked(&self.shared.shown) = Some(shown);
         // At most thirty pictures a second, and no more than a sixteenth of the time for them.
         let took = begin.elapsed();
@@ -916,12 +947,16 @@ material = "glass"
         let look = Arc::clone(&stage.look);
         live.stage(stage, wish(&look));
         let settings = Settings { size: [40, 30], spp: 7, ..look.settings.clone() };
-        live.begin_job(Job { settings: settings.clone(), file: "a.exr".into() });
+        assert!(live.begin_job(Job {
+            settings: settings.clone(),
+            file: "a.exr".into(),
+            display: Display::default()
+        }));
         let image = loop {
             match live.job() {
                 Some(JobState::Done { image, .. }) => break image,
                 Some(JobState::Failed { what }) => panic!("{what}"),
-                Some(JobState::Running { .. }) | None => {
+                Some(JobState::Waiting | JobState::Running { .. }) | None => {
                     std::thread::sleep(Duration::from_millis(1));
                 }
             }
@@ -940,7 +975,11 @@ material = "glass"
         let mut look = Arc::clone(&stage.look);
         live.stage(stage, wish(&look));
         let settings = Settings { spp: 1 << 30, ..look.settings.clone() };
-        live.begin_job(Job { settings, file: "a.exr".into() });
+        assert!(live.begin_job(Job {
+            settings,
+            file: "a.exr".into(),
+            display: Display::default()
+        }));
         Arc::make_mut(&mut look).camera.position.x = 0.5;
         live.wish(wish(&look));
         sampled(&live, &look);
@@ -958,7 +997,11 @@ material = "glass"
         let look = Arc::clone(&first.look);
         live.stage(first, wish(&look));
         let settings = Settings { spp: 400, ..look.settings.clone() };
-        live.begin_job(Job { settings: settings.clone(), file: "a.exr".into() });
+        assert!(live.begin_job(Job {
+            settings: settings.clone(),
+            file: "a.exr".into(),
+            display: Display::default()
+        }));
         while !matches!(live.job(), Some(JobState::Running { .. })) {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -973,7 +1016,9 @@ material = "glass"
         let image = loop {
             match live.job() {
                 Some(JobState::Done { image, .. }) => break image,
-                Some(JobState::Running { .. }) => std::thread::sleep(Duration::from_millis(1)),
+                Some(JobState::Waiting | JobState::Running { .. }) => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
                 ended => panic!("{ended:?}"),
             }
         };

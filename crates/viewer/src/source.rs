@@ -10,7 +10,7 @@ use rutilant_geom::Aabb;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::live::Stage;
 use crate::merge::changed_over;
@@ -53,6 +53,8 @@ pub(crate) struct Document {
     pub(crate) text: Option<String>,
     /// How it looks by its file, and by what was said when the window was opened.
     pub(crate) look: Look,
+    /// Its settings by its file alone.
+    pub(crate) filed: Settings,
     /// Its cameras by the file.
     pub(crate) cameras: Vec<AuthoredCamera>,
     pub(crate) image_names: Vec<String>,
@@ -85,8 +87,11 @@ pub(crate) enum Step {
 pub(crate) struct Opening {
     pub(crate) file: Option<PathBuf>,
     pub(crate) since: Instant,
+    /// The same by the clock that files are dated by.
+    began: SystemTime,
     /// Whether it is the scene that is shown already.
     pub(crate) again: bool,
+    pub(crate) reading: Reading,
     /// Its file, and all that it is known to be made of.
     pub(crate) watch: Watch,
     thread: JoinHandle<()>,
@@ -103,23 +108,36 @@ impl Opening {
         file: Option<PathBuf>,
         again: bool,
         files: &[PathBuf],
-        reading: &Reading,
+        reading: Reading,
         wake: impl Fn() + Clone + Send + 'static,
     ) -> Self {
+        let began = SystemTime::now();
         // What changes while it is read will have to be read again.
         let watch = Watch::begin(file.iter().chain(files).cloned(), None, wake.clone());
         let shared = Arc::new(Mutex::new((Step::Reading, None)));
-        let (theirs, path, reading) = (Arc::clone(&shared), file.clone(), reading.clone());
+        let (theirs, path, reading_here) = (Arc::clone(&shared), file.clone(), reading.clone());
         let thread = std::thread::spawn(move || {
             let step = |step| {
                 lock(&theirs).0 = step;
                 wake();
             };
-            let opened = open(path.as_deref(), &reading, step).map(Box::new);
+            let opened = open(path.as_deref(), &reading_here, step).map(Box::new);
             lock(&theirs).1 = Some(opened);
             wake();
         });
-        Self { file, since: Instant::now(), again, watch, thread, shared }
+        Self { file, since: Instant::now(), began, again, reading, watch, thread, shared }
+    }
+
+    /// Those of these files that have been written since it began, by their dates: they may have
+    /// been read before that.
+    pub(crate) fn changed_meanwhile(&self, files: &[PathBuf]) -> Vec<PathBuf> {
+        let now = SystemTime::now();
+        let written = |file: &&PathBuf| {
+            let written = std::fs::metadata(file).and_then(|metadata| metadata.modified());
+            // A date in the future would be one for ever.
+            written.is_ok_and(|written| (self.began..=now).contains(&written))
+        };
+        files.iter().filter(written).filter_map(|file| file.canonicalize().ok()).collect()
     }
 
     pub(crate) fn step(&self) -> Step {
@@ -148,6 +166,7 @@ pub(crate) fn open(
 ) -> Result<(Stage, Document), String> {
     let begin = Instant::now();
     let (text, mut loaded) = read(file, reading)?;
+    let filed = loaded.settings.clone();
     (reading.adjust)(&mut loaded.settings);
     if let Some(size) = reading.size {
         loaded.settings.size = size;
@@ -176,6 +195,7 @@ pub(crate) fn open(
         file: file.map(Path::to_owned),
         text,
         look: look.clone(),
+        filed,
         cameras,
         image_names,
         files,

@@ -46,13 +46,19 @@ impl Watch {
         beside: Option<&Path>,
         wake: impl Fn() + Send + 'static,
     ) -> Self {
-        let files = files.into_iter().filter_map(|file| file.canonicalize().ok());
-        let files: BTreeSet<PathBuf> = files.collect();
         let folder_of = |file: &Path| {
             let folder = file.parent()?;
             let here = folder.as_os_str().is_empty();
             (if here { Path::new(".") } else { folder }).canonicalize().ok()
         };
+        // By name, so that a file that is missing now is seen when it comes, and behind a link.
+        let mut named = BTreeSet::new();
+        for file in files {
+            named.extend(file.canonicalize().ok());
+            let place = folder_of(&file).zip(file.file_name());
+            named.extend(place.map(|(folder, name)| folder.join(name)));
+        }
+        let files = named;
         let all_in = beside.and_then(folder_of);
         let folders: BTreeSet<PathBuf> =
             files.iter().filter_map(|file| folder_of(file)).chain(all_in.clone()).collect();
@@ -83,6 +89,15 @@ impl Watch {
             }
         }
         Self { _watcher: watcher, changes }
+    }
+
+    /// These have changed as well.
+    pub(crate) fn note(&self, files: Vec<PathBuf>) {
+        if !files.is_empty() {
+            let mut changes = self.changes.lock().unwrap_or_else(PoisonError::into_inner);
+            changes.files.extend(files);
+            changes.last = Some(Instant::now());
+        }
     }
 
     /// Takes over what another has seen and not told.

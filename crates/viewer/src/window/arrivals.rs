@@ -4,7 +4,7 @@ use super::report::Happened;
 use super::state::{After, Dialog, Saved, Window, Work};
 use crate::history::History;
 use crate::live::{JobState, Stage, Wish};
-use crate::merge::merged;
+use crate::merge::{changed_over, merged};
 use crate::picture::View;
 use crate::source::{Document, Opening};
 use crate::watch::{Changed, Watch};
@@ -18,16 +18,17 @@ use std::time::Duration;
 
 impl Window {
     pub(super) fn open(&mut self, file: Option<PathBuf>, again: bool) {
+        let mut reading = self.reading.clone();
         if !again && self.document.is_some() {
             // What the command line said was said of its own scene.
-            (self.reading.camera, self.reading.size) = (None, None);
-            self.reading.adjust = Arc::new(|_| {});
+            (reading.camera, reading.size) = (None, None);
+            reading.adjust = Arc::new(|_| {});
         }
         self.tried = (file.clone(), again);
         let files = self.document.as_ref().filter(|_| again).map_or(&[][..], |d| &d.files);
         let wake = self.context.clone();
         let wake = move || wake.request_repaint();
-        self.opening = Some(Opening::begin(file, again, files, &self.reading, wake));
+        self.opening = Some(Opening::begin(file, again, files, reading, wake));
     }
 
     /// Opens another scene, once changes to this one are saved or given up.
@@ -73,9 +74,16 @@ impl Window {
                     self.message = Some(format!("wrote {}{hash_shown}", file.display()));
                     (self.report)(Happened::Wrote { file, hash });
                 }
-                Work::Sky { file, image, like } => self.use_sky(&file, image, like),
+                Work::Sky { file, image, like, of } => {
+                    // Unless another scene has been opened meanwhile.
+                    if self.document.as_ref().is_none_or(|document| document.file == of) {
+                        self.use_sky(&file, image, like);
+                    }
+                }
                 Work::Beside(beside) => self.beside = Some(beside),
-                Work::Stale(file) => {
+                Work::Stale { file } if !self.shows(&file) => {}
+                Work::Stale { file } => {
+                    self.closing = false;
                     self.then_say = Some(format!(
                         "{}: it was not saved, because it had changed on disk; that has been read \
                          now, and you can save again",
@@ -83,8 +91,17 @@ impl Window {
                     ));
                     self.open(Some(file), true);
                 }
-                Work::Failed(what) => self.trouble(what),
+                Work::Failed(what) => {
+                    self.closing = false;
+                    self.trouble(what);
+                }
             }
+        }
+        if self.opening.is_none()
+            && self.trouble.is_none()
+            && let Some(warning) = self.warning.take()
+        {
+            self.trouble(warning);
         }
         if let Some(found) = self.live.focus() {
             match found {
@@ -110,8 +127,13 @@ impl Window {
 
     /// A scene was written: from now on it is this file that is shown.
     fn saved_as(&mut self, file: &Path, Saved { of, look, text }: Saved) {
-        // Unless another scene has been opened meanwhile.
-        let Some(document) = self.document.as_mut().filter(|d| d.file == of) else { return };
+        // Unless another scene has been opened meanwhile, or is about to be.
+        let another = self.opening.as_ref().is_some_and(|opening| !opening.again);
+        let document = self.document.as_mut().filter(|d| d.file == of && !another);
+        let Some(document) = document else { return };
+        let was = &document.look.settings;
+        document.filed = changed_over(was, &look.settings, &document.filed);
+        document.look = Look::clone(&look);
         self.saved = Some(Arc::clone(&look));
         if document.file.as_deref() == Some(file) && self.image_names == document.image_names {
             // What is rendered goes on.
@@ -119,11 +141,19 @@ impl Window {
             if let Some(camera) = cameras.find(|camera| camera.name == look.camera.name) {
                 camera.clone_from(&look.camera);
             }
-            document.look = Look::clone(&look);
             document.text = Some(text);
         } else {
+            // An image that was added is the file's own now, under another number.
+            document.look.environment = None;
             self.open(Some(file.to_owned()), true);
         }
+    }
+
+    /// Whether this is the file of the scene that is shown, and no other is about to be.
+    fn shows(&self, file: &Path) -> bool {
+        let another = self.opening.as_ref().is_some_and(|opening| !opening.again);
+        let own = self.document.as_ref().and_then(|document| document.file.as_deref());
+        !another && own == Some(file)
     }
 
     /// Whether of these files only the scene's own has changed, and it says what was read or written
@@ -142,7 +172,7 @@ impl Window {
             Some(JobState::Done { image, job, took }) => {
                 self.job = None;
                 self.message = Some(format!("rendered in {:.1} s", took.as_secs_f64()));
-                self.write_image(image, &job.settings, job.file);
+                self.write_image(image, &job.settings, job.display, job.file);
             }
             Some(JobState::Failed { what }) => {
                 self.job = None;
@@ -195,34 +225,51 @@ impl Window {
             let document = self.document.iter();
             let known = document.flat_map(|d| d.file.iter().chain(&d.files));
             let known: Vec<PathBuf> = known.chain(&opening.file).cloned().collect();
-            self.watch_files(known, opening.file.as_deref(), &opening.watch);
+            self.watch_files(known, opening.file.as_deref(), opening);
+            self.unreadable = true;
         }
-        self.unreadable = true;
         if self.then_say.take().is_some() {
             self.message = Some("not saved: the file cannot be read as it is now".into());
         }
         self.trouble(what);
     }
 
-    /// Watches files from now on, and what comes `beside` one; what `before` has seen counts.
+    /// Watches files from now on, and what comes `beside` one; what has changed since the `opening`
+    /// began counts.
     fn watch_files(
         &mut self,
         files: impl IntoIterator<Item = PathBuf>,
         beside: Option<&Path>,
-        before: &Watch,
+        opening: &Opening,
     ) {
         let wake = self.context.clone();
+        let files: Vec<PathBuf> = files.into_iter().collect();
+        let changed = opening.changed_meanwhile(&files);
         let watch = Watch::begin(files, beside, move || wake.request_repaint());
-        watch.succeed(before);
+        watch.succeed(&opening.watch);
+        watch.note(changed);
         self.watch = Some(watch);
     }
 
-    pub(super) fn opened(&mut self, (mut stage, document): (Stage, Document), opening: &Opening) {
+    pub(super) fn opened(
+        &mut self,
+        (mut stage, mut document): (Stage, Document),
+        opening: &Opening,
+    ) {
         let again = opening.again;
+        self.reading = opening.reading.clone();
+        if let Some(before) = self.document.as_ref().filter(|_| again) {
+            // What the command line said, and what was set since, stays where the file is as it was.
+            let was = &before.look.settings;
+            document.look.settings = changed_over(&before.filed, &document.filed, was);
+        }
         let theirs = document.look.clone();
         let before = self.document.as_ref().map(|d| d.look.clone());
         let mut look = match (again, &before, &self.history) {
-            (true, Some(before), Some(history)) => merged(before, history.present(), &theirs),
+            (true, Some(before), Some(history)) => {
+                let old = self.document.as_ref().map_or(&[][..], |document| &document.cameras);
+                merged(before, history.present(), &theirs, [old, &document.cameras])
+            }
             _ => theirs.clone(),
         };
         // The images are those of the file again: one that was added to them is read anew.
@@ -254,7 +301,7 @@ impl Window {
         self.saved = Some(Arc::new(theirs));
         self.image_names.clone_from(&document.image_names);
         let watched = document.file.iter().chain(&document.files).cloned();
-        self.watch_files(watched, None, &opening.watch);
+        self.watch_files(watched.collect::<Vec<_>>(), None, opening);
         let file_before = self.document.as_ref().and_then(|d| d.file.as_ref());
         let another = document.file.as_ref() != file_before;
         if let Some(file) = document.file.as_deref().filter(|_| another || !again) {

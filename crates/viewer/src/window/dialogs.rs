@@ -4,7 +4,7 @@ use super::listing::Listing;
 use super::state::{After, Beside, Dialog, Window, Work, too_large};
 use super::widgets;
 use crate::keys::{Action, KeyMap};
-use crate::live::{Job, window_settings};
+use crate::live::Job;
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{self, Context, Key, Ui};
 use rutilant::settings::Settings;
@@ -35,6 +35,10 @@ impl Window {
         let own = self.document.as_ref().and_then(|d| d.file.as_deref());
         let read = |file: &Path| self.reads(file, matches!(dialog, Dialog::SaveScene(_)));
         match dialog.replaces() {
+            Some(file) if matches!(dialog, Dialog::SaveScene(_)) && !is_native(file) => {
+                let what = format!("{}: scenes are saved as .toml", file.display());
+                self.trouble(what);
+            }
             Some(file) if read(file) => {
                 let what = format!("{}: the scene reads this file", file.display());
                 self.trouble(what);
@@ -68,15 +72,14 @@ impl Window {
             Dialog::Sky(file) => self.read_sky(file.into(), self.new_sky()),
             Dialog::SaveScene(file) => self.save_scene(file.into()),
             Dialog::SaveImage(file) => {
-                if let Some(shown) = self.shown.clone() {
+                if let Some(shown) = &self.shown {
                     let image = Arc::clone(&shown.picture.image);
-                    let integrator = self.view.channel.integrator();
-                    let settings = window_settings(&shown.look.settings, integrator);
-                    self.write_image(image, &settings, file.into());
+                    self.write_image(image, &shown.settings, shown.look.display, file.into());
                 }
             }
             Dialog::Render { file, spp, size } => {
                 if let Some(history) = &self.history {
+                    let display = history.present().display;
                     let settings = Settings { spp, size, ..history.present().settings.clone() };
                     let path = Path::new(&file);
                     let fits = rutilant_formats::image::check_size(path, size[0], size[1]);
@@ -85,7 +88,13 @@ impl Window {
                         _ if too_large(size, &self.reading.limits).is_some() => {
                             self.message = too_large(size, &self.reading.limits);
                         }
-                        Ok(()) => self.live.begin_job(Job { settings, file: file.into() }),
+                        Ok(()) => {
+                            let begun = Job { settings, display, file: file.into() };
+                            if !self.live.begin_job(begun) {
+                                let what = "another picture is being rendered for a file";
+                                self.message = Some(format!("not begun: {what}"));
+                            }
+                        }
                         Err(what) => self.trouble(what),
                     }
                 }
@@ -138,6 +147,10 @@ fn select_name(context: &Context, field: egui::Id, path: &str) {
     let [begin, end] = [&path[..name], path].map(|part| CCursor::new(part.chars().count()));
     state.cursor.set_char_range(Some(CCursorRange::two(begin, end)));
     state.store(context, field);
+}
+
+fn is_native(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 impl Dialog {

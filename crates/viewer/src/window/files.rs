@@ -3,6 +3,7 @@
 use super::state::{Dialog, Saved, Window, Work};
 use crate::source::{named_from, text_of};
 use eframe::egui;
+use rutilant::display::Display;
 use rutilant::image::Image;
 use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::ImageId;
@@ -31,7 +32,8 @@ impl Window {
 
     /// Reads an image that is to be the sky as `like` says.
     pub(super) fn read_sky(&self, file: PathBuf, like: Environment) {
-        self.read_image(file, move |file, image| Work::Sky { file, image, like });
+        let of = self.document.as_ref().and_then(|d| d.file.clone());
+        self.read_image(file, move |file, image| Work::Sky { file, image, like, of });
     }
 
     /// The sky and its file, where it is an image that the scene does not have by itself.
@@ -57,11 +59,24 @@ impl Window {
         });
     }
 
-    pub(super) fn beside_the_interface(&self, work: impl FnOnce() -> Work + Send + 'static) {
+    /// Reads, without the interface waiting for it.
+    fn beside_the_interface(&self, work: impl FnOnce() -> Work + Send + 'static) {
         let (sender, wake) = (self.work.0.clone(), self.context.clone());
         std::thread::spawn(move || {
             // Nobody hears it any more once the window is closed.
             drop(sender.send(work()));
+            wake.request_repaint();
+        });
+    }
+
+    /// Writes, without the interface waiting for it; but the window is not closed before.
+    fn write_beside(&self, work: impl FnOnce() -> Work + Send + 'static) {
+        let (sender, wake) = (self.work.0.clone(), self.context.clone());
+        let writing = Arc::clone(&self.writing);
+        std::thread::spawn(move || {
+            drop(sender.send(work()));
+            // What came of it can be heard now.
+            drop(writing);
             wake.request_repaint();
         });
     }
@@ -111,15 +126,13 @@ impl Window {
         let (Some(document), Some(history)) = (&self.document, &self.history) else { return };
         let (document, look) = (document.clone(), Arc::clone(history.present()));
         let (image_names, reading) = (self.image_names.clone(), self.reading.clone());
-        let writing = Arc::clone(&self.writing);
-        self.beside_the_interface(move || {
-            let _writing = writing;
+        self.write_beside(move || {
             let in_place = document.file.as_deref() == Some(&*to);
             if in_place
                 && let Some(text) = &document.text
                 && std::fs::read(&to).is_ok_and(|now| now != text.as_bytes())
             {
-                return Work::Stale(to);
+                return Work::Stale { file: to };
             }
             let written = text_of(&document, &look, &image_names, &to, &reading).and_then(|text| {
                 // The built-in scene takes along the images that it uses.
@@ -139,15 +152,17 @@ impl Window {
     }
 
     /// Writes a picture that was rendered with these settings.
-    pub(super) fn write_image(&self, image: Arc<Image>, settings: &Settings, file: PathBuf) {
-        let Some(history) = &self.history else { return };
-        let display = history.present().display;
+    pub(super) fn write_image(
+        &self,
+        image: Arc<Image>,
+        settings: &Settings,
+        display: Display,
+        file: PathBuf,
+    ) {
         let counts = image.channel("samples.Y").unwrap_or(&[]);
         let samples = counts.iter().copied().fold(f32::INFINITY, f32::min);
         let metadata = (self.describe)(settings, samples as u64);
-        let writing = Arc::clone(&self.writing);
-        self.beside_the_interface(move || {
-            let _writing = writing;
+        self.write_beside(move || {
             let hash = Some(format!("{:016x}", image.hash()));
             let (width, height) = (image.width(), image.height());
             let options = WriteOptions { metadata, ..WriteOptions::default() };

@@ -14,7 +14,7 @@ use crate::picture::View;
 use crate::prefs::Preferences;
 use crate::source::{Document, Opening, Reading};
 use crate::watch::Watch;
-use eframe::egui::{Context, TextureHandle, Ui};
+use eframe::egui::{Context, Id, Memory, TextureHandle, Ui};
 use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant_formats::camera::AuthoredCamera;
@@ -74,8 +74,9 @@ pub(crate) struct Window {
     pub(super) dialog: Option<Dialog>,
     /// The files that dialogs offer.
     pub(super) listing: Listing,
-    /// Whether the frame before left the keyboard to a widget.
+    /// Whether the frame before left the keyboard to a widget, and to which.
     pub(super) typing: bool,
+    pub(super) focused: Option<Id>,
     /// When the wheel was turned last, in seconds.
     pub(super) scrolled: f64,
     /// Whether a gesture was going on in the frame before.
@@ -96,6 +97,8 @@ pub(crate) struct Window {
     pub(super) titled: String,
     /// What is to be told once the scene has been read again.
     pub(super) then_say: Option<String>,
+    /// What is told as soon as nothing else has to be.
+    pub(super) warning: Option<String>,
     pub(super) job: Option<JobState>,
     pub(super) work: (Sender<Work>, Receiver<Work>),
     pub(super) closing: bool,
@@ -144,15 +147,18 @@ pub(super) enum Work {
         hash: Option<String>,
         saved: Option<Saved>,
     },
-    /// An image of a sky, to be used as the sky `like` is.
+    /// An image of a sky, to be used as the sky `like` is, in the scene of the file `of`.
     Sky {
         file: PathBuf,
         image: Image,
         like: Environment,
+        of: Option<PathBuf>,
     },
     Beside(Beside),
     /// A scene was not saved: its file has changed since it was read.
-    Stale(PathBuf),
+    Stale {
+        file: PathBuf,
+    },
     Failed(String),
 }
 
@@ -214,6 +220,7 @@ impl Window {
             dialog: None,
             listing: Listing::default(),
             typing: false,
+            focused: None,
             scrolled: f64::NEG_INFINITY,
             in_gesture: false,
             writing: Arc::default(),
@@ -224,7 +231,8 @@ impl Window {
             message: None,
             said: (None, 0.0),
             titled: String::new(),
-            then_say: broken.or(unknown),
+            then_say: None,
+            warning: broken.or(unknown),
             job: None,
             work: channel(),
             closing: false,
@@ -246,7 +254,9 @@ impl Window {
         if scrolls {
             self.scrolled = time;
         }
-        if pressed || turned_anew || (typing && !self.typing) {
+        let focused = ui.ctx().memory(Memory::focused);
+        let another = std::mem::replace(&mut self.focused, focused) != focused;
+        if pressed || turned_anew || (typing && another) {
             self.gesture += 1;
         }
         let moving =
@@ -310,17 +320,28 @@ impl Window {
 
     /// Whether anything differs from the file.
     pub(super) fn is_touched(&self) -> bool {
-        let (Some(history), Some(saved)) = (&self.history, &self.saved) else { return false };
-        !Arc::ptr_eq(history.present(), saved) && history.present() != saved
+        self.differs(|now, filed| now == filed)
     }
 
     /// Whether the look differs from the file's in more than where the camera stands.
     pub(super) fn is_changed(&self) -> bool {
+        self.differs(|now, filed| now.kind == filed.kind)
+    }
+
+    /// Whether the look differs from the file's, where its camera differs unless they are the `same`.
+    fn differs(&self, same: impl Fn(&AuthoredCamera, &AuthoredCamera) -> bool) -> bool {
         let (Some(history), Some(saved)) = (&self.history, &self.saved) else { return false };
-        let mut now = Look::clone(history.present());
-        let AuthoredCamera { position, look_at, up, .. } = saved.camera;
-        now.camera = AuthoredCamera { position, look_at, up, ..now.camera };
-        now != **saved
+        let now = history.present();
+        // One may look through another of the file's cameras.
+        let mut cameras = self.document.iter().flat_map(|document| &document.cameras);
+        let filed = cameras.find(|camera| camera.name == now.camera.name);
+        let Look { camera, environment, materials, lights, settings, display } = &**now;
+        !same(camera, filed.unwrap_or(&saved.camera))
+            || *environment != saved.environment
+            || *materials != saved.materials
+            || *lights != saved.lights
+            || *settings != saved.settings
+            || *display != saved.display
     }
 
     pub(super) fn store_snapshot(&mut self) {

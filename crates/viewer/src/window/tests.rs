@@ -4,6 +4,7 @@ use super::report::Happened;
 use super::state::{Dialog, Window};
 use crate::Describe;
 use crate::keys::Action;
+use crate::live::JobState;
 use crate::picture::{Channel, View};
 use crate::source::{BuiltIn, Reading};
 use eframe::egui::accesskit::Role;
@@ -17,7 +18,7 @@ use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant::{Prepared, Session};
 use rutilant_formats::Look;
-use rutilant_formats::camera::CameraKind;
+use rutilant_formats::camera::{AngleOfView, CameraKind};
 use rutilant_formats::image::WriteOptions;
 use rutilant_formats::{Limits, ReadOptions, read_scene};
 use std::cell::RefCell;
@@ -750,6 +751,50 @@ fn links_and_changes_of_others_are_kept() {
     assert!(text.contains("seed = 9") && text.contains("spp = 3"));
 }
 
+/// One looks through another of a scene's cameras: that is no change, and it stays so when files
+/// change; what is saved is its own.
+#[test]
+fn another_camera_stays_chosen() {
+    let side = SCENE.replace("[camera]", "[[camera]]\nname = \"front\"").replace(
+        "[environment]",
+        "[[camera]]\nname = \"side\"\nposition = [4, 1, 0]\nlook_at = [0, 0.5, 0]\n\n[environment]",
+    );
+    let mut desk = Desk::with(&side, |reading| reading.adjust = Arc::new(|s| s.spp = 3));
+    desk.until("a picture", Window::is_settled);
+    desk.click("Camera");
+    desk.click("side");
+    assert!(!desk.window().is_changed() && !desk.window().is_touched());
+    desk.press(Key::E);
+    assert!(!desk.window().is_changed() && desk.window().is_touched());
+    desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("a saved file", |w| !w.is_touched());
+    desk.settle();
+    let (look, saved) = (desk.look(), std::fs::read_to_string(desk.file()).unwrap());
+    assert!(saved.contains("position = [0, 1, 4]") && !saved.contains("position = [4, 1, 0]"));
+
+    // The other camera changes, and then this one's angle.
+    for (before, after, fov) in [
+        ("position = [0, 1, 4]", "position = [0, 2, 4]", 45.0),
+        ("name = \"side\"", "name = \"side\"\nfov_degrees = 30", 30.0),
+    ] {
+        let text = std::fs::read_to_string(desk.file()).unwrap().replace(before, after);
+        std::fs::write(desk.file(), &text).unwrap();
+        let opened = text.clone();
+        desk.until("the changed file", move |w| {
+            w.document.as_ref().is_some_and(|d| d.text.as_ref() == Some(&opened))
+        });
+        let now = desk.look();
+        assert_eq!((&*now.camera.name, now.camera.position), ("side", look.camera.position));
+        let CameraKind::Perspective { view: AngleOfView::FovDegrees(degrees), .. } =
+            now.camera.kind
+        else {
+            panic!()
+        };
+        assert_eq!((degrees, now.settings.spp), (fov, 3));
+        assert!(!desk.window().is_touched());
+    }
+}
+
 /// Nobody drags a picture to a size that takes all memory; what the scene reads is not written over.
 #[test]
 fn limits_are_kept() {
@@ -790,7 +835,9 @@ fn closing_loses_nothing_unasked() {
     let file = desk.folder.path().join("long.exr").display().to_string();
     let job = Dialog::Render { file, spp: 1_000_000, size: [64, 48] };
     desk.window_mut().answered(job.clone());
-    desk.until("the job", |w| w.job.is_some());
+    desk.until("the job", |w| matches!(w.job, Some(JobState::Running { .. })));
+    desk.window_mut().answered(job.clone());
+    assert!(desk.window().message.as_ref().unwrap().contains("another picture"));
     desk.click("Stop");
     desk.until("its end", |w| w.job.is_none());
     desk.window_mut().answered(job);
