@@ -17,7 +17,7 @@ use crate::watch::Watch;
 use eframe::egui::{Context, Id, Memory, TextureHandle, Ui};
 use rutilant::image::Image;
 use rutilant::light::Environment;
-use rutilant_formats::camera::AuthoredCamera;
+use rutilant_formats::camera::{AuthoredCamera, FocusOn};
 use rutilant_formats::{Limits, Look};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -325,7 +325,16 @@ impl Window {
 
     /// Whether the look differs from the file's in more than where the camera stands.
     pub(super) fn is_changed(&self) -> bool {
-        self.differs(|now, filed| now.kind == filed.kind)
+        self.differs(|now, filed| {
+            let mut kind = now.kind;
+            // A point of focus that one has flown past was given up by itself.
+            if let (Some(mine), Some(theirs)) = (kind.lens_mut(), filed.kind.lens())
+                && matches!((mine.focus, theirs.focus), (FocusOn::LookAt, FocusOn::Point(_)))
+            {
+                mine.focus = theirs.focus;
+            }
+            kind == filed.kind
+        })
     }
 
     /// Whether the look differs from the file's, where its camera differs unless they are the `same`.

@@ -18,7 +18,7 @@ use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant::{Prepared, Session};
 use rutilant_formats::Look;
-use rutilant_formats::camera::{AngleOfView, CameraKind};
+use rutilant_formats::camera::{AngleOfView, CameraKind, FocusOn};
 use rutilant_formats::image::WriteOptions;
 use rutilant_formats::{Limits, ReadOptions, read_scene};
 use std::cell::RefCell;
@@ -793,6 +793,18 @@ fn another_camera_stays_chosen() {
         assert_eq!((degrees, now.settings.spp), (fov, 3));
         assert!(!desk.window().is_touched());
     }
+}
+
+/// To fly past the point of focus is to move, and nothing that one is asked about.
+#[test]
+fn a_flight_past_the_focus_is_no_change() {
+    let lens = "look_at = [0, 0.5, 0]\nfocus_at = [0, 0.9, 3.5]\naperture_radius = 0.01";
+    let mut desk = Desk::with(&SCENE.replace("look_at = [0, 0.5, 0]", lens), |_| {});
+    desk.until("a picture", Window::is_settled);
+    desk.press(Key::E);
+    let lens = *desk.look().camera.kind.lens().unwrap();
+    assert_eq!(lens.focus, FocusOn::LookAt);
+    assert!(desk.window().is_touched() && !desk.window().is_changed());
 }
 
 /// Nobody drags a picture to a size that takes all memory; what the scene reads is not written over.
