@@ -515,8 +515,8 @@ impl Worker {
         if Arc::ptr_eq(before, look) {
             return Ok(());
         }
-        // A crop is overlooked here.
-        Settings { crop: None, ..look.settings.clone() }.validate()?;
+        let settings = window_settings(&look.settings, None);
+        settings.validate()?;
         let camera = look.camera.camera(look.settings.size)?;
         let Some(scene) = &mut self.scene else { return Ok(()) };
         let next = if same_light(before, look) {
@@ -528,7 +528,7 @@ impl Worker {
             scene.lights.clone_from(&look.lights);
             prepared.edited(scene)?
         };
-        let missed = next.notes_for(&window_settings(&look.settings, None));
+        let missed = next.notes_for(&settings);
         let notes = next.report().notes.iter().chain(&missed).map(ToString::to_string).collect();
         (*prepared, *before) = (Arc::new(next), Arc::clone(look));
         self.set_status(|status| status.notes = notes);
@@ -852,6 +852,25 @@ material = "glass"
         panic!("no picture: {:?}", live.status());
     }
 
+    /// Begins a job.
+    fn begin(live: &Live, settings: Settings) {
+        let (file, display) = ("a.exr".into(), Display::default());
+        assert!(live.begin_job(Job { settings, file, display }));
+    }
+
+    /// Waits for the picture of a job.
+    fn rendered(live: &Live) -> Arc<Image> {
+        loop {
+            match live.job() {
+                Some(JobState::Done { image, .. }) => return image,
+                Some(JobState::Waiting | JobState::Running { .. }) => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                ended => panic!("{ended:?}"),
+            }
+        }
+    }
+
     /// Waits for a whole picture of this look, however noisy.
     fn sampled(live: &Live, look: &Arc<Look>) {
         for _ in 0..4000 {
@@ -947,20 +966,8 @@ material = "glass"
         let look = Arc::clone(&stage.look);
         live.stage(stage, wish(&look));
         let settings = Settings { size: [40, 30], spp: 7, ..look.settings.clone() };
-        assert!(live.begin_job(Job {
-            settings: settings.clone(),
-            file: "a.exr".into(),
-            display: Display::default()
-        }));
-        let image = loop {
-            match live.job() {
-                Some(JobState::Done { image, .. }) => break image,
-                Some(JobState::Failed { what }) => panic!("{what}"),
-                Some(JobState::Waiting | JobState::Running { .. }) | None => {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-            }
-        };
+        begin(&live, settings.clone());
+        let image = rendered(&live);
         let asked = Look { settings, ..Look::clone(&look) };
         assert_eq!(image.hash(), headless(&asked));
         assert_eq!(finished(&live, &look).picture.image.hash(), headless(&look));
@@ -975,11 +982,7 @@ material = "glass"
         let mut look = Arc::clone(&stage.look);
         live.stage(stage, wish(&look));
         let settings = Settings { spp: 1 << 30, ..look.settings.clone() };
-        assert!(live.begin_job(Job {
-            settings,
-            file: "a.exr".into(),
-            display: Display::default()
-        }));
+        begin(&live, settings);
         Arc::make_mut(&mut look).camera.position.x = 0.5;
         live.wish(wish(&look));
         sampled(&live, &look);
@@ -997,11 +1000,7 @@ material = "glass"
         let look = Arc::clone(&first.look);
         live.stage(first, wish(&look));
         let settings = Settings { spp: 400, ..look.settings.clone() };
-        assert!(live.begin_job(Job {
-            settings: settings.clone(),
-            file: "a.exr".into(),
-            display: Display::default()
-        }));
+        begin(&live, settings.clone());
         while !matches!(live.job(), Some(JobState::Running { .. })) {
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -1013,16 +1012,7 @@ material = "glass"
         second.scene.camera = other.camera.camera(other.settings.size).unwrap();
         second.prepared = Arc::new(Prepared::new(&second.scene).unwrap());
         live.stage(second, wish(&other));
-        let image = loop {
-            match live.job() {
-                Some(JobState::Done { image, .. }) => break image,
-                Some(JobState::Waiting | JobState::Running { .. }) => {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-                ended => panic!("{ended:?}"),
-            }
-        };
-        assert_eq!(image.hash(), headless(&Look { settings, ..Look::clone(&look) }));
+        assert_eq!(rendered(&live).hash(), headless(&Look { settings, ..Look::clone(&look) }));
         assert_eq!(finished(&live, &other).picture.image.hash(), headless(&other));
     }
 

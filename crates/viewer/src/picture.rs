@@ -121,6 +121,12 @@ pub(crate) fn filled(image: Image, coarse: &Image) -> Image {
     Image::new(width, height, channels).unwrap_or(image)
 }
 
+/// How many samples every pixel has at least.
+pub(crate) fn samples_of(image: &Image) -> u64 {
+    let counts = image.channel("samples.Y").unwrap_or(&[]);
+    least(counts.iter().copied()) as u64
+}
+
 /// Makes the bytes that the window shows.
 pub(crate) fn develop(image: Arc<Image>, view: &View) -> Developed {
     let (width, height) = (image.width(), image.height());

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::live::Stage;
+use crate::live::{Stage, window_settings};
 use crate::merge::changed_over;
 use crate::watch::Watch;
 
@@ -171,9 +171,8 @@ pub(crate) fn open(
     if let Some(size) = reading.size {
         loaded.settings.size = size;
     }
-    // The window overlooks a crop.
-    let whole = Settings { crop: None, ..loaded.settings.clone() };
-    whole.validate().map_err(|problem| problem.to_string())?;
+    let settings = window_settings(&loaded.settings, None);
+    settings.validate().map_err(|problem| problem.to_string())?;
     let read = begin.elapsed();
 
     let triangles = loaded.scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
@@ -222,13 +221,18 @@ fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, Loade
         let loaded = parse_native(text, Path::new(file), &options).map_err(error)?;
         return Ok((Some(text.to_owned()), loaded));
     };
-    if file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+    if is_native(file) {
         // Read once: this text is that of this scene, whatever happens to the file meanwhile.
         let text = native_text(file, &options.limits).map_err(error)?;
         let loaded = parse_native(&text, file, &options).map_err(error)?;
         return Ok((Some(text), loaded));
     }
     Ok((None, read_scene(file, &options).map_err(error)?))
+}
+
+/// Whether a file is a native scene, by its name.
+pub(crate) fn is_native(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 /// How a scene in `folder` names a file: by the way from there, where it lies within.

@@ -36,8 +36,8 @@ impl Window {
                 });
                 ui.menu_button("Camera", |ui| self.camera_menu(ui, draft));
                 ui.menu_button("View", |ui| self.view_menu(ui));
-                if ui.button("Keys").clicked() && !self.close_help() {
-                    self.help = true;
+                if ui.button("Keys").clicked() {
+                    self.toggle_help();
                 }
                 ui.separator();
                 ui.selectable_value(&mut self.canvas.tool, Tool::Camera, "Move camera");
@@ -172,7 +172,7 @@ impl Window {
     pub(super) fn side_panel(&mut self, ui: &mut Ui, draft: Option<&mut Look>) {
         Panel::right("panel").default_size(350.0).show(ui, |ui| {
             // What is changed in a scene that is about to be closed would be lost.
-            if self.opening.as_ref().is_some_and(|opening| !opening.again) {
+            if self.is_opening_another() {
                 ui.disable();
             }
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

@@ -40,6 +40,11 @@ impl Window {
         }
     }
 
+    /// Whether another scene is about to take the place of this one.
+    pub(super) fn is_opening_another(&self) -> bool {
+        self.opening.as_ref().is_some_and(|opening| !opening.again)
+    }
+
     /// Takes what other threads have finished.
     pub(super) fn receive(&mut self) {
         if let Some(opened) = self.opening.as_ref().and_then(Opening::take)
@@ -128,7 +133,7 @@ impl Window {
     /// A scene was written: from now on it is this file that is shown.
     fn saved_as(&mut self, file: &Path, Saved { of, look, text }: Saved) {
         // Unless another scene has been opened meanwhile, or is about to be.
-        let another = self.opening.as_ref().is_some_and(|opening| !opening.again);
+        let another = self.is_opening_another();
         let document = self.document.as_mut().filter(|d| d.file == of && !another);
         let Some(document) = document else { return };
         let was = &document.look.settings;
@@ -151,9 +156,8 @@ impl Window {
 
     /// Whether this is the file of the scene that is shown, and no other is about to be.
     fn shows(&self, file: &Path) -> bool {
-        let another = self.opening.as_ref().is_some_and(|opening| !opening.again);
         let own = self.document.as_ref().and_then(|document| document.file.as_deref());
-        !another && own == Some(file)
+        !self.is_opening_another() && own == Some(file)
     }
 
     /// Whether of these files only the scene's own has changed, and it says what was read or written

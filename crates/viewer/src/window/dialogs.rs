@@ -5,6 +5,7 @@ use super::state::{After, Beside, Dialog, Window, Work, too_large};
 use super::widgets;
 use crate::keys::{Action, KeyMap};
 use crate::live::Job;
+use crate::source::is_native;
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{self, Context, Key, Ui};
 use rutilant::settings::Settings;
@@ -84,10 +85,11 @@ impl Window {
                     let path = Path::new(&file);
                     let fits = rutilant_formats::image::check_size(path, size[0], size[1]);
                     let fits = fits.and_then(|()| rutilant_formats::image::check_writable(path));
-                    match fits.map_err(|error| error.to_string()) {
-                        _ if too_large(size, &self.reading.limits).is_some() => {
-                            self.message = too_large(size, &self.reading.limits);
-                        }
+                    if let Some(what) = too_large(size, &self.reading.limits) {
+                        self.message = Some(what);
+                        return;
+                    }
+                    match fits {
                         Ok(()) => {
                             let begun = Job { settings, display, file: file.into() };
                             if !self.live.begin_job(begun) {
@@ -95,7 +97,7 @@ impl Window {
                                 self.message = Some(format!("not begun: {what}"));
                             }
                         }
-                        Err(what) => self.trouble(what),
+                        Err(error) => self.trouble(error.to_string()),
                     }
                 }
             }
@@ -147,10 +149,6 @@ fn select_name(context: &Context, field: egui::Id, path: &str) {
     let [begin, end] = [&path[..name], path].map(|part| CCursor::new(part.chars().count()));
     state.cursor.set_char_range(Some(CCursorRange::two(begin, end)));
     state.store(context, field);
-}
-
-fn is_native(file: &Path) -> bool {
-    file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 impl Dialog {

@@ -1,6 +1,7 @@
 //! What is read from files and written into them, beside the interface.
 
 use super::state::{Dialog, Saved, Window, Work};
+use crate::picture::samples_of;
 use crate::source::{named_from, text_of};
 use eframe::egui;
 use rutilant::display::Display;
@@ -61,22 +62,21 @@ impl Window {
 
     /// Reads, without the interface waiting for it.
     fn beside_the_interface(&self, work: impl FnOnce() -> Work + Send + 'static) {
-        let (sender, wake) = (self.work.0.clone(), self.context.clone());
-        std::thread::spawn(move || {
-            // Nobody hears it any more once the window is closed.
-            drop(sender.send(work()));
-            wake.request_repaint();
-        });
+        self.spawn((), work);
     }
 
     /// Writes, without the interface waiting for it; but the window is not closed before.
     fn write_beside(&self, work: impl FnOnce() -> Work + Send + 'static) {
+        self.spawn(Arc::clone(&self.writing), work);
+    }
+
+    /// Works on a thread of its own, which holds something until what came of it can be heard.
+    fn spawn(&self, held: impl Send + 'static, work: impl FnOnce() -> Work + Send + 'static) {
         let (sender, wake) = (self.work.0.clone(), self.context.clone());
-        let writing = Arc::clone(&self.writing);
         std::thread::spawn(move || {
+            // Nobody hears it any more once the window is closed.
             drop(sender.send(work()));
-            // What came of it can be heard now.
-            drop(writing);
+            drop(held);
             wake.request_repaint();
         });
     }
@@ -159,9 +159,7 @@ impl Window {
         display: Display,
         file: PathBuf,
     ) {
-        let counts = image.channel("samples.Y").unwrap_or(&[]);
-        let samples = counts.iter().copied().fold(f32::INFINITY, f32::min);
-        let metadata = (self.describe)(settings, samples as u64);
+        let metadata = (self.describe)(settings, samples_of(&image));
         self.write_beside(move || {
             let hash = Some(format!("{:016x}", image.hash()));
             let (width, height) = (image.width(), image.height());

@@ -135,11 +135,7 @@ impl Window {
             }
             Action::Overlay => self.view.overlay = !self.view.overlay,
             Action::StoreSnapshot => self.store_snapshot(),
-            Action::Help => {
-                if !self.close_help() {
-                    self.help = true;
-                }
-            }
+            Action::Help => self.toggle_help(),
             Action::Close => self.close_something(),
             Action::Forward
             | Action::Back
@@ -190,6 +186,10 @@ impl Window {
         if !closed {
             self.ask_to_close();
         }
+    }
+
+    pub(super) fn toggle_help(&mut self) {
+        self.help = !self.close_help();
     }
 
     /// Whether it was open.

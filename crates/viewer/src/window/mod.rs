@@ -22,6 +22,7 @@ mod theme;
 mod widgets;
 
 use crate::frames::FrameTimes;
+use crate::picture::samples_of;
 use eframe::egui::{CentralPanel, Ui};
 pub use report::{Happened, Report};
 pub(crate) use state::Window;
@@ -52,9 +53,7 @@ impl Window {
     pub(crate) fn closed(&mut self, frames: FrameTimes) {
         let picture = self.shown.as_ref().map(|shown| {
             let image = &shown.picture.image;
-            let counts = image.channel("samples.Y").unwrap_or(&[]);
-            let least = counts.iter().copied().fold(f32::INFINITY, f32::min);
-            (format!("{:016x}", image.hash()), least as u64)
+            (format!("{:016x}", image.hash()), samples_of(image))
         });
         (self.report)(Happened::Closed { frames, picture });
     }

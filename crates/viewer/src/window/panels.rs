@@ -2,8 +2,8 @@
 //!
 //! They change a draft of the look; the window compares it with what there was.
 
-use super::widgets::{color, degrees, drag, light, number, row};
-use eframe::egui::{CollapsingHeader, ComboBox, Slider, SliderClamping, Ui};
+use super::widgets::{color, degrees, drag, light, number, row, slider};
+use eframe::egui::{CollapsingHeader, ComboBox, Ui};
 use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
@@ -473,9 +473,7 @@ pub(super) fn render(ui: &mut Ui, look: &mut Look) {
 /// Exposure and curve.
 pub(super) fn display(ui: &mut Ui, look: &mut Look) {
     row(ui, "Exposure", |ui, name| {
-        let slider = Slider::new(&mut look.display.exposure, -8.0..=8.0);
-        let slider = slider.clamping(SliderClamping::Edits);
-        ui.add(slider.max_decimals(2)).labelled_by(name);
+        ui.add(slider(&mut look.display.exposure, -8.0..=8.0).max_decimals(2)).labelled_by(name);
     });
     choose(ui, "Curve", &mut look.display.curve, &CURVES);
 }

@@ -33,8 +33,13 @@ fn finite(text: &str) -> Option<f64> {
     text.replace('−', "-").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// A number, on a logarithmic slider where its size can be anything. What lies outside the range
-/// stays as it is until it is touched.
+/// A slider. What lies outside its range stays as it is until it is touched, and what is typed and
+/// no number changes nothing.
+pub(super) fn slider(value: &mut f32, range: RangeInclusive<f32>) -> Slider<'_> {
+    Slider::new(value, range).clamping(SliderClamping::Edits).custom_parser(finite)
+}
+
+/// A number, on a logarithmic slider where its size can be anything.
 pub(super) fn number(
     ui: &mut Ui,
     label: &str,
@@ -43,8 +48,7 @@ pub(super) fn number(
     logarithmic: bool,
 ) {
     row(ui, label, |ui, name| {
-        let slider = Slider::new(value, range).logarithmic(logarithmic).smallest_positive(1e-4);
-        let slider = slider.clamping(SliderClamping::Edits).custom_parser(finite);
+        let slider = slider(value, range).logarithmic(logarithmic).smallest_positive(1e-4);
         ui.add(slider.max_decimals(4)).labelled_by(name);
     });
 }
@@ -52,9 +56,7 @@ pub(super) fn number(
 /// An angle in degrees.
 pub(super) fn degrees(ui: &mut Ui, label: &str, value: &mut f32, range: RangeInclusive<f32>) {
     row(ui, label, |ui, name| {
-        let slider = Slider::new(value, range).suffix("°").max_decimals(2);
-        let slider = slider.clamping(SliderClamping::Edits).custom_parser(finite);
-        ui.add(slider).labelled_by(name);
+        ui.add(slider(value, range).suffix("°").max_decimals(2)).labelled_by(name);
     });
 }
 
@@ -74,8 +76,11 @@ pub(super) fn light(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
         let strength = rgb.0.into_iter().fold(0.0, f32::max);
         // What was dragged to nothing keeps its colour while it is dragged.
         let kept = ui.scope_id().with("tint");
-        let tint = |ui: &Ui| ui.data(|data| data.get_temp(kept)).unwrap_or([1.0; 3]);
-        let mut tint = if strength > 0.0 { rgb.0.map(|c| c / strength) } else { tint(ui) };
+        let mut tint = if strength > 0.0 {
+            rgb.0.map(|c| c / strength)
+        } else {
+            ui.data(|data| data.get_temp(kept)).unwrap_or([1.0; 3])
+        };
         let mut amount = strength;
         let colored = ui.color_edit_button_rgb(&mut tint).labelled_by(name).changed();
         let speed = f64::from(strength).max(0.01) * 0.01;
