@@ -80,9 +80,13 @@ fn an_interrupt_at_any_moment_leaves_whole_pictures_or_none() {
     let arguments = "hills.toml --size 900x700 --spp 2 --quiet -o a.exr -o b.png";
     let folder = TempDir::new().unwrap();
     write_scene(folder.path());
-    let started = Instant::now();
-    assert_eq!(end(start(folder.path(), arguments)).0, 0);
-    let life = started.elapsed();
+    // The first run waits for the disk, too.
+    let run = || {
+        let started = Instant::now();
+        assert_eq!(end(start(folder.path(), arguments)).0, 0);
+        started.elapsed()
+    };
+    let life = run().min(run());
 
     let (mut interrupted, mut pictures) = (0, 0);
     for moment in 0..MOMENTS {
