@@ -49,6 +49,14 @@ impl<T: PartialEq> History<T> {
         true
     }
 
+    /// Makes the present state another object, equal to the one it was.
+    pub(crate) fn renew(&mut self)
+    where
+        T: Clone,
+    {
+        self.present = Arc::new(T::clone(&self.present));
+    }
+
     /// The gesture that there was, if there was one, is over.
     pub(crate) fn end_gesture(&mut self) {
         self.gesture = None;

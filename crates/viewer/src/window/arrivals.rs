@@ -297,7 +297,10 @@ impl Window {
         (self.report)(Happened::Opened { name: document.name(&self.reading) });
         let history = match self.history.take().filter(|_| again && fits) {
             Some(mut history) => {
-                history.change(look, None);
+                if !history.change(look, None) {
+                    // The same look of another scene: pictures of before do not show it.
+                    history.renew();
+                }
                 history
             }
             None => History::new(look),
