@@ -48,6 +48,9 @@ struct Info {
     /// The names of its cameras, the one that sees it first; those without a name are absent.
     cameras: Vec<String>,
     materials: BTreeMap<&'static str, usize>,
+    textures: usize,
+    /// What their pictures take in memory, with the smaller versions made of them.
+    texture_bytes: u64,
     lights: BTreeMap<&'static str, usize>,
     /// Lower and upper corner in metres; absent for a scene without surfaces.
     bounds: Option<[[f32; 3]; 2]>,
@@ -99,6 +102,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         vertices: scene.meshes.iter().map(|m| m.positions.len() as u64).sum(),
         cameras: camera_names(&loaded),
         materials: tally(scene.materials.iter().map(|m| kind_of_material(&m.kind))),
+        textures: scene.textures.len(),
+        texture_bytes: report.texture_bytes,
         lights: tally(kinds_of_lights(scene)),
         bounds: (!bounds.is_empty()).then(|| [bounds.min.to_array(), bounds.max.to_array()]),
         read_seconds: reading.as_secs_f64(),
@@ -161,6 +166,10 @@ fn describe(info: &Info, contents: &str) -> String {
         row("cameras", &info.cameras.join(", "));
     }
     row("materials", &list(&info.materials));
+    if info.textures > 0 {
+        let count = several(info.textures as u64, "texture", "textures");
+        row("textures", &format!("{count}, {}", bytes(info.texture_bytes)));
+    }
     row("lights", &list(&info.lights));
     match info.bounds {
         Some([min, max]) => {

@@ -24,6 +24,9 @@ pub(crate) struct Reading {
     /// Let the scene name files outside its own folder
     #[arg(long, help_heading = READING)]
     pub allow_path: bool,
+    /// Refuse scenes whose textures are missing or broken, instead of showing them in magenta
+    #[arg(long, help_heading = READING)]
+    pub strict: bool,
     /// See the scene by the camera of this name, not by the first one
     #[arg(long, value_name = "NAME", help_heading = READING)]
     pub camera: Option<String>,
@@ -34,8 +37,8 @@ pub(crate) struct Reading {
 /// How much files may ask for.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Limited {
-    /// The most that is read: bytes (of a file), pixels (of an image), picture (pixels that the
-    /// scene asks for), vertices, triangles, objects or nesting, like pixels=500M; may be repeated
+    /// The most that is read: bytes (of a file), pixels (of an image), textures (bytes of all their
+    /// pictures), picture (pixels that the scene asks for), vertices, triangles, objects or nesting, like pixels=500M; may be repeated
     #[arg(long = "limit", value_name = "NAME=N", help_heading = READING, value_parser = options::limit)]
     changes: Vec<(&'static str, u64)>,
 }
@@ -65,6 +68,7 @@ pub(crate) fn read(
     let options = ReadOptions {
         limits: reading.limited.limits(),
         allow_outside: reading.allow_path,
+        strict: reading.strict,
         size,
         camera: reading.camera.as_deref(),
         ..ReadOptions::default()

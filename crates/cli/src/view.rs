@@ -101,6 +101,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         },
         limits: args.reading.limited.limits(),
         allow_outside: args.reading.allow_path,
+        strict: args.reading.strict,
         camera: args.reading.camera.clone(),
         size,
         adjust: Arc::new(adjust),

@@ -27,7 +27,7 @@ pub use limits::Limits;
 pub use look::Look;
 pub use options::ReadOptions;
 pub use replace::replace_file;
-pub use scene::loaded::LoadedScene;
+pub use scene::loaded::{LoadedScene, TextureName};
 
 use std::path::Path;
 

@@ -14,6 +14,8 @@ pub struct Limits {
     pub triangles: u64,
     /// Pixels of any one image.
     pub pixels: u64,
+    /// Bytes of the pictures of all textures together.
+    pub texture_bytes: u64,
     /// Pixels of the picture that a scene asks for.
     pub picture: u64,
     /// Objects in a scene: each time a shape, or a part of a mesh file, is placed.
@@ -24,8 +26,8 @@ pub struct Limits {
 
 impl Limits {
     /// The name of each limit, as errors and the command line say it.
-    pub const NAMES: [&'static str; 7] =
-        ["bytes", "vertices", "triangles", "pixels", "picture", "objects", "nesting"];
+    pub const NAMES: [&'static str; 8] =
+        ["bytes", "vertices", "triangles", "pixels", "textures", "picture", "objects", "nesting"];
 
     /// The limit of a name; `None` for a name that is not in [`NAMES`](Self::NAMES).
     pub fn by_name(&mut self, name: &str) -> Option<&mut u64> {
@@ -34,6 +36,7 @@ impl Limits {
             "vertices" => &mut self.vertices,
             "triangles" => &mut self.triangles,
             "pixels" => &mut self.pixels,
+            "textures" => &mut self.texture_bytes,
             "picture" => &mut self.picture,
             "objects" => &mut self.objects,
             "nesting" => &mut self.nesting,
@@ -60,6 +63,7 @@ impl Default for Limits {
             vertices: 400_000_000,
             triangles: 400_000_000,
             pixels: 1 << 28,
+            texture_bytes: 8 << 30,
             picture: 1 << 24,
             objects: 10_000_000,
             nesting: 64,

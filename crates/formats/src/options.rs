@@ -14,6 +14,9 @@ pub struct ReadOptions<'a> {
     pub size: Option<[u32; 2]>,
     /// Images that need no disk, by the name that the scene uses: found before any file.
     pub embedded: &'a [(&'a str, &'a [u8])],
+    /// Whether a picture of a texture that is missing or cannot be read is an error; else it is
+    /// magenta, with a note.
+    pub strict: bool,
     /// The name of the camera that sees the scene; the first one if `None`.
     pub camera: Option<&'a str>,
 }

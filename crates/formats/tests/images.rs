@@ -360,11 +360,11 @@ fn content_goes_before_extension() {
 #[test]
 fn errors_say_what_is_wrong() {
     let cases: [(&str, &[u8], &str); 18] = [
-        ("a.bmp", b"BM", "a.bmp: no image format .bmp; there are .exr, .hdr, .pfm, .png, .jpg"),
+        ("a.bmp", b"BM", "a.bmp: no image format .bmp; there are .exr, .hdr, .pfm, .png, .jpg, .webp"),
         (
             "sky",
             b"",
-            "sky: no extension, so no image format; there are .exr, .hdr, .pfm, .png, .jpg",
+            "sky: no extension, so no image format; there are .exr, .hdr, .pfm, .png, .jpg, .webp",
         ),
         ("a.hdr", b"", "a.hdr: the header has no end"),
         ("a.hdr", b"hello\n", "a.hdr: this is not a Radiance file: it does not begin with \"#?\""),
@@ -619,7 +619,7 @@ fn a_failed_write_changes_nothing() {
             "old.txt",
             Pixels::Light(&light),
             &options,
-            "no image format .txt; there are .exr, .hdr, .pfm, .png, .jpg",
+            "no image format .txt; there are .exr, .hdr, .pfm, .png, .jpg, .webp",
         ),
         (
             "folder.exr",
@@ -665,7 +665,7 @@ fn writability_is_known_before() {
     for (name, expected) in [
         ("kept.exr", "cannot write: the file is read-only"),
         ("folder.png", "cannot write: this is a folder, not a file"),
-        ("a.gif", "no image format .gif; there are .exr, .hdr, .pfm, .png, .jpg"),
+        ("a.gif", "no image format .gif; there are .exr, .hdr, .pfm, .png, .jpg, .webp"),
         ("missing/a.png", "cannot write: there is no folder"),
     ] {
         let error = check_writable(&at(name)).expect_err(name).to_string();

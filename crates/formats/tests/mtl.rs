@@ -36,7 +36,7 @@ fn kind(kind: &MaterialKind) -> String {
     };
     match kind {
         MaterialKind::Matte(matte) => {
-            format!("matte {}{}", color(matte.albedo), rough(matte.roughness))
+            format!("matte {}{}", color(matte.albedo.factor), rough(matte.roughness))
         }
         MaterialKind::Mirror(mirror) => format!("mirror {}", color(mirror.reflectance)),
         MaterialKind::Conductor(metal) => {
@@ -106,7 +106,7 @@ const GOLDEN: &[(&str, &str, &[&str])] = &[
          polished: mirror 0.9 0.9 0.9\n\
          car: mix 0.04\n  part: matte 0.104 0 0\n  part: metal 1 1 1, rough 0.4\n",
         &[
-            "a.mtl:37: textures are not read yet: 1 (norm; first \"flakes.png\")",
+            "a.mtl:37: textures of other kinds are not read: 1 (norm; first \"flakes.png\")",
             "a.mtl:34: \"Pc\" is not read",
             "a.mtl:36: \"Ps\" is not read",
         ],
@@ -134,8 +134,8 @@ const GOLDEN: &[(&str, &str, &[&str])] = &[
          \tmap_Kd maps\\wood floor.jpg\n\tmap_bump -bm 0.3 -s 2 2 wood b.jpg\n\
          \tbump wood b.jpg\n\trefl -type sphere -mm 0 1 clouds.mpc\n",
         "_Material #25: matte 0.588 0.588 0.588\n",
-        &["a.mtl:13: textures are not read yet: 4 (bump, map_Kd, map_bump, refl; \
-           first \"maps\\\\wood floor.jpg\")"],
+        &["a.mtl:14: textures of other kinds are not read: 3 (bump, map_bump, refl; \
+           first \"wood b.jpg\")"],
     ),
     // How light goes through: d and Tr are one thing, and illum another word for it.
     (
@@ -187,7 +187,7 @@ fn nothing_sends_back_more_than_it_gets() {
                 let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl")).expect("read");
                 let [mixed, parts @ ..] = &*library.materials else { panic!("materials") };
                 let color_of = |material: &Material| match &material.kind {
-                    MaterialKind::Matte(matte) => matte.albedo.0,
+                    MaterialKind::Matte(matte) => matte.albedo.factor.0,
                     MaterialKind::Mirror(mirror) => mirror.reflectance.0,
                     // That of a metal is at most 1 by Fresnel.
                     _ => [1.0; 3],

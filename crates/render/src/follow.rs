@@ -106,8 +106,8 @@ fn follow_through<'p>(
                     media.arrive_declared(border, from_front);
                 }
                 through *= transmittance(media.absorption, hit.t);
-                let custom = scene.custom_at(&hit, material);
-                let material = match custom {
+                let varied = scene.varied_at(&hit, material);
+                let material = match varied {
                     None => material,
                     Some(material) => &made.insert(Made { material, beyond: None }).material,
                 };

@@ -3,7 +3,7 @@
 //! A [`Scene`] is built by hand or read from a file, checked by
 //! [`Scene::validate`] and made traceable by [`Prepared::new`](crate::Prepared::new).
 
-pub use crate::id::{ImageId, MaterialId, MeshId};
+pub use crate::id::{BitmapId, ImageId, MaterialId, MeshId, TextureId};
 pub use crate::problem::{MOST_LIGHT, Note, Place, SceneProblem};
 
 use crate::camera::Camera;
@@ -11,6 +11,8 @@ use crate::image::Image;
 use crate::light::{Environment, Light};
 use crate::material::Material;
 use crate::shape::{Mesh, Object, Shape};
+use crate::texture::{Bitmap, Texture};
+use std::sync::Arc;
 
 /// Everything that can be seen or gives light, and the eye that sees it.
 #[derive(Clone, Debug)]
@@ -19,6 +21,10 @@ pub struct Scene {
     pub camera: Camera,
     /// Light from infinitely far away, in all directions; none is black.
     pub environment: Option<Environment>,
+    /// Pixels that textures use; [`BitmapId`] counts in this array.
+    pub bitmaps: Vec<Arc<Bitmap>>,
+    /// What varies over surfaces; [`TextureId`] counts in this array.
+    pub textures: Vec<Texture>,
     /// How surfaces look; [`MaterialId`] counts in this array.
     pub materials: Vec<Material>,
     /// Triangle meshes that objects share; [`MeshId`] counts in this array.
@@ -37,12 +43,26 @@ impl Scene {
         Self {
             camera: camera.into(),
             environment: None,
+            bitmaps: Vec::new(),
+            textures: Vec::new(),
             materials: Vec::new(),
             meshes: Vec::new(),
             images: Vec::new(),
             objects: Vec::new(),
             lights: Vec::new(),
         }
+    }
+
+    /// Adds pixels and returns their id.
+    pub fn add_bitmap(&mut self, bitmap: impl Into<Arc<Bitmap>>) -> BitmapId {
+        self.bitmaps.push(bitmap.into());
+        BitmapId(last_index(&self.bitmaps))
+    }
+
+    /// Adds a texture and returns its id.
+    pub fn add_texture(&mut self, texture: impl Into<Texture>) -> TextureId {
+        self.textures.push(texture.into());
+        TextureId(last_index(&self.textures))
     }
 
     /// Adds a material and returns its id.
@@ -74,8 +94,11 @@ impl Scene {
         if let Some(environment) = &self.environment {
             environment.validate(&self.images)?;
         }
+        for (i, texture) in self.textures.iter().enumerate() {
+            texture.validate(i, &self.bitmaps)?;
+        }
         for (i, material) in self.materials.iter().enumerate() {
-            material.validate(i, &self.materials)?;
+            material.validate(i, &self.materials, self.textures.len())?;
         }
         for (i, mesh) in self.meshes.iter().enumerate() {
             mesh.validate(i)?;
@@ -98,7 +121,7 @@ impl Scene {
                     let mesh = &self.meshes[id.0 as usize];
                     (mesh.positions.len() as u64, mesh.triangles.len() as u64)
                 }
-                Shape::Box { .. } => (8, 12),
+                Shape::Box { .. } => (24, 12),
                 Shape::Rectangle { .. } => (4, 2),
                 Shape::Sphere { .. } | Shape::Disk { .. } | Shape::Custom(_) => (0, 1),
             };

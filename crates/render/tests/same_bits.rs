@@ -14,6 +14,7 @@ use rutilant::settings::{
     Crop, Heuristic, LightSelection, Roulette, SamplerKind, Settings, Strategy,
 };
 use rutilant::shape::{Mesh, Object, Shape};
+use rutilant::texture::{Bitmap, Checker, ImageTexture, Texels, UvMapping};
 use rutilant::{Prepared, Session};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -82,8 +83,8 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 /// Eight paths at once are the paths that each is alone: the scalar level traces them one by one.
-/// All that differs must be noticed: lenses, skies, spheres, glass with colour in it, rough and
-/// layered materials, smooth meshes, every strategy, heuristic, roulette and way to choose lights.
+/// All that differs must be noticed: lenses, skies, spheres, glass with colour in it, rough,
+/// layered and textured materials, smooth meshes, every strategy, heuristic, roulette and way to choose lights.
 #[test]
 fn paths_together_are_those_alone() {
     let even = scene_of_everything();
@@ -165,6 +166,19 @@ fn scene_of_everything() -> Scene {
     let glass = scene.add_material(Dielectric::new(1.5));
     add(&mut scene, Shape::Mesh(octahedron), glass, [-0.7, -0.3, 2.0]);
     add(&mut scene, Shape::Mesh(octahedron), clay, [0.9, -0.3, 2.0]);
+    let codes = (0..6 * 5 * 3_u32).map(|i| (i * 89 % 251) as u8).collect();
+    let bitmap = scene.add_bitmap(Bitmap::new(6, 5, 3, Texels::Eight(codes)).unwrap());
+    let picture = scene.add_texture(ImageTexture::new(bitmap));
+    let (first, second, mapping) = (Rgb::BLACK, Rgb::grey(0.8), UvMapping::default());
+    let board = scene.add_texture(Checker { first, second, mapping });
+    for (x, texture) in [(-0.4, picture), (0.5, board)] {
+        let smooth = scene.add_material(Matte::new(texture));
+        let rough = scene.add_material(Matte { roughness: 0.6, ..Matte::new(texture) });
+        let half = scene.add_material(Mix { first: smooth, second: mirror, amount: 0.3 });
+        add(&mut scene, sphere(), smooth, [x, 1.0, -0.6]);
+        add(&mut scene, Shape::Box { size: Vec3::splat(0.3) }, rough, [x, -0.6, 2.4]);
+        add(&mut scene, Shape::Disk { radius: 0.2 }, half, [x, 0.2, 1.0]);
+    }
     let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
     add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
     scene

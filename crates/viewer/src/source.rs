@@ -2,9 +2,10 @@
 
 use rutilant::Prepared;
 use rutilant::settings::Settings;
+use rutilant::texture::Texture;
 use rutilant_formats::camera::AuthoredCamera;
 use rutilant_formats::{
-    Limits, LoadedScene, Look, ReadOptions, native_text, parse_native, read_scene,
+    Limits, LoadedScene, Look, ReadOptions, TextureName, native_text, parse_native, read_scene,
 };
 use rutilant_geom::Aabb;
 use std::path::{Path, PathBuf};
@@ -36,6 +37,8 @@ pub struct Reading {
     pub limits: Limits,
     /// Whether scenes may name files outside their own folders.
     pub allow_outside: bool,
+    /// Whether a picture that is missing is an error.
+    pub strict: bool,
     /// The camera to begin with, by its name.
     pub camera: Option<String>,
     /// The size of the picture, whatever the scene says.
@@ -58,6 +61,8 @@ pub(crate) struct Document {
     /// Its cameras by the file.
     pub(crate) cameras: Vec<AuthoredCamera>,
     pub(crate) image_names: Vec<String>,
+    /// What varies over surfaces, and what the text calls it.
+    pub(crate) textures: (Vec<Texture>, Vec<TextureName>),
     /// The files that it is made of, its own not among them.
     pub(crate) files: Vec<PathBuf>,
     pub(crate) notes: Vec<String>,
@@ -189,7 +194,8 @@ pub(crate) fn open(
     let mended = report.notes.iter().map(|note| loaded.locate(note, shown));
     let notes = loaded.notes.iter().cloned().chain(mended).collect();
     let (bounds, triangles) = (report.bounds, report.triangles);
-    let LoadedScene { scene, cameras, image_names, files, .. } = loaded;
+    let LoadedScene { scene, cameras, image_names, texture_names, files, .. } = loaded;
+    let textures = (scene.textures.clone(), texture_names);
     let document = Document {
         file: file.map(Path::to_owned),
         text,
@@ -197,6 +203,7 @@ pub(crate) fn open(
         filed,
         cameras,
         image_names,
+        textures,
         files,
         notes,
         bounds,
@@ -211,6 +218,7 @@ fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, Loade
     let options = ReadOptions {
         limits: reading.limits,
         allow_outside: reading.allow_outside,
+        strict: reading.strict,
         size: reading.size,
         camera: reading.camera.as_deref(),
         embedded: if file.is_none() { reading.built_in.images } else { &[] },
@@ -256,6 +264,7 @@ pub(crate) fn text_of(
     let options = ReadOptions {
         limits: reading.limits,
         allow_outside: reading.allow_outside,
+        strict: reading.strict,
         camera: (!look.camera.name.is_empty()).then_some(&*look.camera.name),
         embedded: if document.file.is_none() { reading.built_in.images } else { &[] },
         ..ReadOptions::default()

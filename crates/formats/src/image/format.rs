@@ -5,7 +5,7 @@ use crate::file;
 use std::path::Path;
 
 /// One extension of each format, for people.
-const KNOWN: [&str; 5] = ["exr", "hdr", "pfm", "png", "jpg"];
+const KNOWN: [&str; 6] = ["exr", "hdr", "pfm", "png", "jpg", "webp"];
 
 /// An image format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub enum Format {
     Png,
     /// JPEG.
     Jpeg,
+    /// WebP, which is only read.
+    WebP,
 }
 
 impl Format {
@@ -34,6 +36,7 @@ impl Format {
             "pfm" => Self::Pfm,
             "png" => Self::Png,
             "jpg" | "jpeg" => Self::Jpeg,
+            "webp" => Self::WebP,
             _ => {
                 let what = file::unknown_format("image", path, KNOWN);
                 return Err(ImageError::new(path, what));
@@ -46,7 +49,7 @@ impl Format {
     pub fn is_for_display(self) -> bool {
         match self {
             Self::Exr | Self::Hdr | Self::Pfm => false,
-            Self::Png | Self::Jpeg => true,
+            Self::Png | Self::Jpeg | Self::WebP => true,
         }
     }
 
@@ -58,6 +61,7 @@ impl Format {
             [b'P', b'F' | b'f', b'\n' | b'\r' | b' ' | b'\t', ..] => Self::Pfm,
             [0x89, b'P', b'N', b'G', ..] => Self::Png,
             [0xff, 0xd8, 0xff, ..] => Self::Jpeg,
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Self::WebP,
             _ => return None,
         })
     }

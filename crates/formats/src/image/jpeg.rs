@@ -7,11 +7,10 @@
 //! Source: ITU-T T.81, 1992; JFIF 1.02.
 
 use super::check;
-use super::srgb::{self, Samples};
+use super::codes::{Codes, Samples};
 use crate::limits::Limits;
 use ::image::ExtendedColorType;
 use ::image::codecs::jpeg::JpegEncoder;
-use rutilant::image::Image;
 use zune_core::bytestream::ZCursor;
 use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
@@ -24,7 +23,7 @@ const QUALITY: u8 = 92;
 /// chroma stored at a quarter of the size makes that many more pixels of it.
 const EXPANSION: u64 = 4096;
 
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
+pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Codes, String> {
     // Decoders fill in grey for what is missing. A scan must be followed by the end of the image;
     // neither marker can occur within one.
     let last = |marker: u8| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
@@ -48,8 +47,8 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     };
     decoder.set_options(options.jpeg_set_out_colorspace(color));
     let pixels = decoder.decode().map_err(|e| e.to_string())?;
-    srgb::image(width as u32, height as u32, channels, Samples::Eight(&pixels))
-        .ok_or_else(|| "the decoder gave another size than the header".to_owned())
+    let (width, height) = (width as u32, height as u32);
+    Ok(Codes { width, height, channels, samples: Samples::Eight(pixels) })
 }
 
 /// Refuses sizes that the format has no room for.

@@ -7,13 +7,15 @@
 //! | `.pfm`          | grey or RGB, either byte order | float                              |
 //! | `.png`          | 1 to 16 bits, grey to RGBA    | RGB of 8 or 16 bits                 |
 //! | `.jpg`, `.jpeg` | grey, YCbCr, CMYK             | quality 92                          |
+//! | `.webp`         | with and without loss, RGB and RGBA | no                            |
 //!
-//! The first three hold light; what is read from the last two is decoded from
-//! sRGB to light. Values are kept as they are, NaN, infinite and negative ones
+//! The first three hold light; what is read from the others is decoded from
+//! sRGB to light, or kept as it is for textures ([`read_bitmap`]). Values are kept as they are, NaN, infinite and negative ones
 //! included. Pixels are counted from the header, and held against the bytes
 //! that are there, before memory is taken for them.
 
 mod check;
+mod codes;
 mod exr;
 mod format;
 mod hdr;
@@ -21,7 +23,7 @@ mod jpeg;
 mod options;
 mod pfm;
 mod png;
-mod srgb;
+mod webp;
 
 pub use format::Format;
 pub use options::{Pixels, Precision, WriteOptions};
@@ -30,7 +32,9 @@ use crate::error::ImageError;
 use crate::file;
 use crate::limits::Limits;
 use crate::replace::{replace_file, target, temporary};
+use codes::Codes;
 use rutilant::image::Image;
+use rutilant::texture::Bitmap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -50,18 +54,56 @@ pub fn read(path: &Path, limits: &Limits) -> Result<Image, ImageError> {
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: &[u8], name: &Path, limits: &Limits) -> Result<Image, ImageError> {
+    let light = |codes: Codes| codes.light().ok_or_else(wrong_size);
+    decoded(bytes, name, limits, Ok, light)
+}
+
+/// The image in the file at `path`, for a texture: codes of 8 and 16 bits stay as they are.
+///
+/// # Errors
+/// As for [`read`], and an image without colour.
+pub fn read_bitmap(path: &Path, limits: &Limits) -> Result<Bitmap, ImageError> {
+    read_bitmap_bytes(&file::image_bytes(path, limits)?, path, limits)
+}
+
+/// As [`read_bitmap`], for the content of a file; `name` as for [`read_bytes`].
+///
+/// # Errors
+/// As [`read_bitmap`].
+pub fn read_bitmap_bytes(bytes: &[u8], name: &Path, limits: &Limits) -> Result<Bitmap, ImageError> {
+    let light = |image: Image| {
+        let colorless = || "the image has no pixels of channels R, G, B (or Y)".to_owned();
+        codes::bitmap_of(&image).ok_or_else(colorless)
+    };
+    let coded = |codes: Codes| codes.bitmap().ok_or_else(wrong_size);
+    decoded(bytes, name, limits, light, coded)
+}
+
+fn wrong_size() -> String {
+    "the decoder gave another size than the header".to_owned()
+}
+
+/// What `light` or `coded` make of the image in some bytes, by what it holds.
+fn decoded<T>(
+    bytes: &[u8],
+    name: &Path,
+    limits: &Limits,
+    light: impl FnOnce(Image) -> Result<T, String>,
+    coded: impl FnOnce(Codes) -> Result<T, String>,
+) -> Result<T, ImageError> {
     let format = match Format::from_bytes(bytes) {
         Some(format) => format,
         None => Format::from_path(name)?,
     };
-    let decode = match format {
-        Format::Exr => exr::read,
-        Format::Hdr => hdr::read,
-        Format::Pfm => pfm::read,
-        Format::Png => png::read,
-        Format::Jpeg => jpeg::read,
-    };
-    guarded(|| decode(bytes, limits)).map_err(|what| {
+    guarded(|| match format {
+        Format::Exr => exr::read(bytes, limits).and_then(light),
+        Format::Hdr => hdr::read(bytes, limits).and_then(light),
+        Format::Pfm => pfm::read(bytes, limits).and_then(light),
+        Format::Png => png::read(bytes, limits).and_then(coded),
+        Format::Jpeg => jpeg::read(bytes, limits).and_then(coded),
+        Format::WebP => webp::read(bytes, limits).and_then(coded),
+    })
+    .map_err(|what| {
         // Decoders below may say it in several lines.
         let what = what.split_ascii_whitespace().collect::<Vec<_>>().join(" ");
         ImageError::new(name, what)
@@ -114,6 +156,7 @@ pub fn write<'a>(
         (Format::Jpeg, Pixels::Display16 { .. }) => {
             Err(format!(".{extension} holds 8 bits a colour, but these pixels have 16: write .png"))
         }
+        (Format::WebP, _) => Err(".webp is read, but not written: write .png".to_owned()),
         (Format::Png | Format::Jpeg, Pixels::Light(_)) => Err(format!(
             ".{extension} holds colours for a display, but these pixels are light: encode them \
              first, or write .exr"
@@ -137,8 +180,10 @@ pub fn write<'a>(
 /// An extension that is not known; a folder that does not exist or takes no
 /// files; a folder or a read-only file of that name.
 pub fn check_writable(path: &Path) -> Result<(), ImageError> {
-    Format::from_path(path)?;
     let error = |what: String| ImageError::new(path, what);
+    if Format::from_path(path)? == Format::WebP {
+        return Err(error(".webp is read, but not written: write .png".to_owned()));
+    }
     let target = target(path).map_err(|e| error(format!("cannot write: {e}")))?;
     // A file is made there and taken away: permissions alone do not tell.
     temporary(&target).map_err(|e| error(format!("cannot write: {e}")))?;
@@ -152,7 +197,7 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
 pub fn check_size(path: &Path, width: u32, height: u32) -> Result<(), ImageError> {
     match Format::from_path(path)? {
         Format::Jpeg => jpeg::check_size(width, height).map_err(|what| ImageError::new(path, what)),
-        Format::Exr | Format::Hdr | Format::Pfm | Format::Png => Ok(()),
+        Format::Exr | Format::Hdr | Format::Pfm | Format::Png | Format::WebP => Ok(()),
     }
 }
 

@@ -1,17 +1,16 @@
 //! PNG: colours for displays, without loss.
 //!
-//! Everything is taken as sRGB, as nearly all files are; `gAMA`, `cHRM` and
+//! Everything is taken as sRGB unless a texture says otherwise, as nearly all files are; `gAMA`, `cHRM` and
 //! colour profiles are not looked at. Nor are texts: compressed ones can be
 //! bombs.
 //!
 //! Source: *Portable Network Graphics Specification*, 3rd ed., W3C, 2025.
 
 use super::check;
-use super::srgb::{self, Samples};
+use super::codes::{Codes, Samples};
 use crate::limits::Limits;
 use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
-use rutilant::image::Image;
 use std::io::Cursor;
 
 /// Deflate makes at most 1032 bytes of one; a bit per pixel becomes a byte.
@@ -20,7 +19,7 @@ const EXPANSION: u64 = 8 * 1032;
 /// What the decoder may take for rows beside the pixels.
 const WORKSPACE: u64 = 64 << 20;
 
-pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
+pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Codes, String> {
     // The size stands at a fixed place, so it is checked before any decoder runs.
     let size = |at: usize| {
         let bytes = bytes.get(at..at + 4)?.first_chunk::<4>()?;
@@ -44,18 +43,17 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Image, String> {
     let mut buffer = vec![0; total];
     decoder.read_image(&mut buffer).map_err(|e| e.to_string())?;
 
-    let words: Vec<u16>;
     let samples = match color {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-            Samples::Eight(&buffer)
+            Samples::Eight(buffer)
         }
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-            words = buffer.as_chunks::<2>().0.iter().map(|&w| u16::from_ne_bytes(w)).collect();
-            Samples::Sixteen(&words)
+            let words = buffer.as_chunks::<2>().0.iter();
+            Samples::Sixteen(words.map(|&word| u16::from_ne_bytes(word)).collect())
         }
         _ => return Err(format!("pixels of type {color:?} are not read")),
     };
-    srgb::image(width, height, channels, samples).ok_or_else(|| "no such channels".to_owned())
+    Ok(Codes { width, height, channels, samples })
 }
 
 /// The file without chunks that its pixels do not need. Some of them are compressed, and a few

@@ -4,6 +4,7 @@ use super::files::Fence;
 use super::framing::{bounds_of_all, frame_all};
 use super::loaded::{self, LoadedScene};
 use super::mesh_file;
+use super::pictures::Pictures;
 use crate::error::SceneError;
 use crate::options::ReadOptions;
 use rutilant::camera::{Lens, Perspective};
@@ -18,14 +19,17 @@ use std::path::Path;
 
 /// Reads a mesh file of any kind.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
-    let file = mesh_file::read(path, &options.limits, &Fence::asked(path, options), |kind| {
+    let mut file = mesh_file::read(path, &options.limits, &Fence::asked(path, options), |kind| {
         SceneError::in_file(path, kind)
     })?;
-    let (mut scene, settings, mut notes) = (empty(), Settings::default(), file.notes);
+    let (mut scene, settings) = (empty(), Settings::default());
+    let mut notes = std::mem::take(&mut file.notes);
     let note = |what: &str| format!("{}: {what}", path.display());
 
     // The file's materials, and grey for what has none.
-    let materials = mesh_file::adopt(&mut scene, file.materials);
+    let mut pictures = Pictures::default();
+    let materials = mesh_file::adopt(&mut file, &mut scene, &mut pictures);
+    scene.bitmaps = pictures.read(&options.limits, options.strict, &mut notes)?;
     let no_faces = file.meshes.is_empty();
     let bare = |name: &Option<String>| name.as_ref().is_none_or(|n| !materials.contains_key(n));
     if let Some(without) = mesh_file::without_material(&file.meshes, &materials) {
@@ -68,8 +72,9 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         cameras,
         camera,
         image_names: Vec::new(),
+        texture_names: Vec::new(),
         notes,
-        files: Vec::new(),
+        files: pictures.files().collect(),
         lines: Default::default(),
     })
 }

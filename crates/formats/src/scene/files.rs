@@ -97,6 +97,64 @@ impl<'o> Files<'o> {
 /// How to read a file elsewhere all the same.
 pub(super) const HINT: &str = "move the file beside the scene, or allow this with --allow-path";
 
+/// The file `name`, counted from `folder`, if it is there and inside the `fence`. Names that lead
+/// elsewhere, which often are paths of the machine that wrote the file, are looked for by their
+/// last part.
+pub(super) fn find_mentioned(folder: &Path, name: &str, fence: &Fence) -> Option<PathBuf> {
+    let name = with_slashes(name);
+    let last = name.rsplit('/').next().unwrap_or_default();
+    [&*name, last].into_iter().map(Path::new).find_map(|name| {
+        // Elsewhere's paths start at a root, and asking after one could wake another machine.
+        let may_be_inside = fence.is_open() || !starts_at_root(name);
+        let path = folder.join(name);
+        let is_inside = || path.canonicalize().is_ok_and(|resolved| fence.holds(&resolved));
+        (may_be_inside && path.is_file() && is_inside()).then_some(path)
+    })
+}
+
+/// Why there is no such file, unless there is just none.
+pub(super) fn why_not_found(folder: &Path, name: &str, fence: &Fence) -> Option<String> {
+    let name = with_slashes(name);
+    if find_mentioned(folder, &name, fence).is_some() {
+        return None;
+    }
+    let name = Path::new(&name);
+    if !fence.is_open() && (starts_at_root(name) || !fence.holds(&climbed(folder, name)?)) {
+        return Some(format!("leads out of the folder; {HINT}"));
+    }
+    let path = folder.join(name);
+    if !fence.holds(&path.canonicalize().ok()?) {
+        return Some(format!("leads out of the folder through a symbolic link; {HINT}"));
+    }
+    let what = file::not_regular(&path.metadata().ok()?)?;
+    Some(format!("is {what}, not a file"))
+}
+
+/// Where a name leads from a folder, by its words alone: nothing is looked at outside.
+fn climbed(folder: &Path, name: &Path) -> Option<PathBuf> {
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut path = here.canonicalize().ok()?;
+    for part in name.components() {
+        match part {
+            Component::ParentDir => {
+                path.pop();
+            }
+            Component::Normal(part) => path.push(part),
+            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+        }
+    }
+    Some(path)
+}
+
+/// A name as it stands in an OBJ or MTL statement, with the slashes of all systems.
+fn with_slashes(name: &str) -> String {
+    name.trim_matches('"').replace('\\', "/")
+}
+
+fn starts_at_root(path: &Path) -> bool {
+    path.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir))
+}
+
 /// Whether a path names something above its start, or starts at a root.
 fn leaves(path: &Path) -> bool {
     let mut depth = 0_usize;

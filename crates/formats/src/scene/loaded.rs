@@ -28,6 +28,9 @@ pub struct LoadedScene {
     /// The names of the scene's images, as its file writes them, by
     /// [`ImageId`](rutilant::scene::ImageId).
     pub image_names: Vec<String>,
+    /// What the scene's own text calls its textures, by
+    /// [`TextureId`](rutilant::scene::TextureId); those of mesh files, which follow, have no names.
+    pub texture_names: Vec<TextureName>,
     /// What a person should know: what was missing, and what stands in for it. One line each,
     /// which begins with the file, and with the place in it where one is meant.
     pub notes: Vec<String>,
@@ -35,6 +38,15 @@ pub struct LoadedScene {
     pub files: Vec<PathBuf>,
     /// The line of the scene's own file that each of its parts comes from, where that is known.
     pub lines: HashMap<Place, u32>,
+}
+
+/// What a scene's text calls a texture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TextureName {
+    /// The name of its own table.
+    Named(String),
+    /// The file of its picture, named by the material itself.
+    Image(String),
 }
 
 impl LoadedScene {

@@ -2,6 +2,7 @@
 
 use super::files::Fence;
 use super::obj::{self, ObjScene};
+use super::pictures::Pictures;
 use super::ply;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
@@ -10,6 +11,7 @@ use crate::shown::shown;
 use rutilant::material::{Material, MaterialKind};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::shape::Mesh;
+use rutilant::texture::ImageTexture;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -43,16 +45,28 @@ pub(super) fn read(
 /// A PLY file is an OBJ file with one mesh and no materials.
 fn read_ply(path: &Path, limits: &Limits, _: &Fence) -> Result<ObjScene, SceneError> {
     let (mesh, notes) = ply::read(path, limits)?;
-    Ok(ObjScene { meshes: vec![(mesh, None)], materials: Vec::new(), notes })
+    Ok(ObjScene { meshes: vec![(mesh, None)], notes, ..ObjScene::default() })
 }
 
-/// Adds a file's materials to a scene, and gives them by name.
-pub(super) fn adopt(scene: &mut Scene, materials: Vec<Material>) -> HashMap<String, MaterialId> {
+/// Takes a file's materials, with their textures, into a scene, and gives them by name. The pictures
+/// of these are asked for.
+pub(super) fn adopt(
+    file: &mut ObjScene,
+    scene: &mut Scene,
+    pictures: &mut Pictures,
+) -> HashMap<String, MaterialId> {
+    let bitmaps = pictures.adopt(std::mem::take(&mut file.pictures));
+    let first_texture = scene.textures.len() as u32;
+    for texture in std::mem::take(&mut file.textures) {
+        let bitmap = bitmaps[texture.bitmap.0 as usize];
+        scene.add_texture(ImageTexture { bitmap, ..texture });
+    }
     // The file counts its materials from 0; in the scene they follow those already there.
     let first = scene.materials.len() as u32;
     let mut ids = HashMap::new();
-    for material in materials {
+    for mut material in std::mem::take(&mut file.materials) {
         let name = material.name.clone();
+        material.each_texture_mut(|id| id.0 += first_texture);
         let id = scene.add_material(renumbered(material, first));
         ids.entry(name).or_insert(id);
     }

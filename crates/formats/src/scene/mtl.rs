@@ -12,6 +12,7 @@
 //! | `illum` 3 or 8                               | the same, rough by `Ns` if that is given |
 //! | `Ks` and `Ns`, but for `illum` 0 and 1       | a gloss of `Ks`, rough by `Ns`, over matte `Kd` |
 //! | everything else                              | matte of albedo `Kd` (0.8 where absent) |
+//! | besides, `map_Kd`                            | a picture by which `Kd` is multiplied; white where that is black |
 //! | besides, `Ke` not black                      | also gives that radiance, on its front |
 //!
 //! "Over" is a mix in which the gloss has the share of the brightest channel of
@@ -24,7 +25,7 @@
 //! rough surface is √(2 / (Ns + 2)), and `roughness` the square root of that.
 //! `illum 4` alone is not believed where `Kd` is not dark, `d` is 1 and `Ni` is
 //! absent or up to 1: a widespread exporter writes so for every matte surface.
-//! Textures, sheen, clear coats and anisotropy are left out, with a note.
+//! Other textures, sheen, clear coats and anisotropy are left out, with a note.
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995;
 //! `Pr`, `Pm` and so on: Exocortex, *Extending Wavefront MTL to Support PBR*.
@@ -42,7 +43,9 @@ use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
 };
-use rutilant::scene::{MOST_LIGHT, MaterialId};
+use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, TextureId};
+use rutilant::texture::{ColorInput, ImageTexture, UvMapping, Wrap};
+use rutilant_geom::Vec2;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
 
@@ -52,8 +55,21 @@ pub struct Library {
     /// Its materials, each name once. The parts of a mix follow it directly, without a name; the
     /// mix counts them in this list.
     pub materials: Vec<Material>,
+    /// The textures that they use, which count their bitmaps in `pictures`.
+    pub textures: Vec<ImageTexture>,
+    /// The pictures that these show.
+    pub pictures: Vec<Picture>,
     /// What was left out or changed: one line each.
     pub notes: Vec<String>,
+}
+
+/// A picture that an MTL file names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Its name as it is written, counted from the folder of the file.
+    pub name: String,
+    /// Where that stands.
+    pub at: Source,
 }
 
 /// The materials in the MTL file at `path`, and notes on what was left out.
@@ -100,6 +116,7 @@ struct Written {
     ns: Option<f32>,
     pr: Option<f32>,
     pm: Option<f32>,
+    map_kd: Option<TextureId>,
 }
 
 struct Parser<'a> {
@@ -170,7 +187,8 @@ impl<'a> Parser<'a> {
         if let Some((count, first, name)) = self.first_texture.take() {
             let kinds: Vec<_> = self.textures.iter().map(|keyword| decode(keyword)).collect();
             let kinds = kinds.join(", ");
-            let what = format!("textures are not read yet: {count} ({kinds}; first {name})");
+            let what =
+                format!("textures of other kinds are not read: {count} ({kinds}; first {name})");
             self.note(first, &what);
         }
         for (keyword, (count, first)) in std::mem::take(&mut self.left_out) {
@@ -216,13 +234,69 @@ impl<'a> Parser<'a> {
             // Ambient light is what a path tracer computes; sharpness is of reflection maps; the
             // others say how those above are, and `map_aat` how textures are smoothed.
             b"Ka" | b"sharpness" | b"Pcr" | b"anisor" | b"map_aat" => {}
+            b"map_Kd" => material.map_kd = self.picture(at).or(material.map_kd),
             _ if is_texture(keyword) => self.texture(keyword, at),
             _ => self.leave_out(keyword, at),
         }
         Ok(())
     }
 
-    /// Options and the name of a texture. Nobody uses them yet, so nothing in them is an error.
+    /// Options and the name of a picture, as a texture; `None` without a name.
+    fn picture(&mut self, at: usize) -> Option<TextureId> {
+        let mut mapping = UvMapping::default();
+        let mut wrap = Wrap::Repeat;
+        loop {
+            let mut option = self.cursor;
+            option.skip_blanks();
+            let keyword = option.word();
+            let Some(values) = texture_option(keyword) else { break };
+            self.cursor = option;
+            let usual = if keyword == b"-s" { 1.0 } else { 0.0 };
+            let mut numbers = [usual; 3];
+            for (i, number) in numbers.iter_mut().enumerate().take(values as usize) {
+                let mut value = self.cursor;
+                value.skip_blanks();
+                match value.number() {
+                    Some(given) if given.is_finite() => *number = given,
+                    Some(_) => {}
+                    // Of three numbers, those behind the first may be absent.
+                    None if i > 0 => break,
+                    None => {
+                        if keyword == b"-clamp" && value.word() == b"on" {
+                            wrap = Wrap::Clamp;
+                        }
+                    }
+                }
+                self.cursor = value;
+            }
+            let [u, v, _] = numbers;
+            match keyword {
+                b"-s" => mapping.scale = Vec2::new(u, v),
+                b"-o" => mapping.offset = Vec2::new(u, v),
+                _ => {}
+            }
+        }
+        let name = self.cursor.name();
+        // Some exporters write the statement where there is no texture.
+        if name.is_empty() {
+            return None;
+        }
+        let Library { textures, pictures, .. } = &mut self.library;
+        let known = pictures.iter().position(|picture| picture.name == name);
+        let bitmap = BitmapId(known.unwrap_or(pictures.len()) as u32);
+        if known.is_none() {
+            pictures.push(Picture { name, at: place(self.path, self.bytes, at) });
+        }
+        let texture = ImageTexture { mapping, wrap: [wrap; 2], ..ImageTexture::new(bitmap) };
+        let known = textures.iter().position(|other| *other == texture);
+        let id = TextureId(known.unwrap_or(textures.len()) as u32);
+        if known.is_none() {
+            textures.push(texture);
+        }
+        Some(id)
+    }
+
+    /// Options and the name of a texture that nobody uses: nothing in them is an error.
     fn texture(&mut self, keyword: &'a [u8], at: usize) {
         loop {
             let mut option = self.cursor;
@@ -351,15 +425,21 @@ impl<'a> Parser<'a> {
     /// What light does not go through.
     fn opaque(&mut self, written: &Written, dark_kd: bool, shown: &str) -> Surface {
         let at = written.at;
-        let kd = written.kd.unwrap_or(DEFAULT_ALBEDO);
+        let usual = if written.map_kd.is_some() { [1.0; 3] } else { DEFAULT_ALBEDO };
+        let mut kd = written.kd.unwrap_or(usual);
+        if written.map_kd.is_some() && kd == [0.0; 3] {
+            self.note(at, &format!("material {shown}: Kd 0 0 0 is taken as 1 1 1 for its map_Kd"));
+            kd = usual;
+        }
         let albedo = self.clamped("Kd", kd, 0.0, 1.0, at, shown);
+        let albedo = ColorInput { texture: written.map_kd, ..albedo.into() };
         let rough = written.pr.map(|pr| self.in_unit("Pr", pr, at, shown));
         let metal = written.pm.map_or(0.0, |pm| self.in_unit("Pm", pm, at, shown));
         let below = || MaterialKind::Matte(Matte::new(albedo));
 
         // The physically based additions say it in their own words.
         if metal > 0.0 {
-            let gloss = gloss(albedo, rough.unwrap_or(DEFAULT_ROUGHNESS));
+            let gloss = gloss(albedo.factor, rough.unwrap_or(DEFAULT_ROUGHNESS));
             return match metal < 1.0 {
                 true => Surface::Over { below: below(), gloss, share: metal },
                 false => Surface::Plain(gloss),
@@ -494,8 +574,8 @@ enum Surface {
 
 /// A gloss over a matte surface. Together they send back what they get at most, in all channels:
 /// where they would send back more, both are dimmed.
-fn over(albedo: Rgb, reflectance: Rgb, roughness: f32) -> Surface {
-    let (most_below, most_gloss) = (brightest(albedo), brightest(reflectance));
+fn over(albedo: ColorInput, reflectance: Rgb, roughness: f32) -> Surface {
+    let (most_below, most_gloss) = (brightest(albedo.factor), brightest(reflectance));
     if most_gloss == 0.0 {
         return Surface::Plain(MaterialKind::Matte(Matte::new(albedo)));
     }
@@ -505,7 +585,8 @@ fn over(albedo: Rgb, reflectance: Rgb, roughness: f32) -> Surface {
     let share = most_gloss / (most_below + most_gloss).max(1.0);
     // What each has of its share: no channel of either is above 1.
     let dimmed = |color: Rgb, by: f32| Rgb(color.0.map(|c| (c / by).min(1.0)));
-    let below = dimmed(albedo, (most_below + most_gloss).max(1.0) * (1.0 - share));
+    let factor = dimmed(albedo.factor, (most_below + most_gloss).max(1.0) * (1.0 - share));
+    let below = ColorInput { factor, ..albedo };
     Surface::Over {
         below: MaterialKind::Matte(Matte::new(below)),
         gloss: gloss(dimmed(reflectance, most_gloss), roughness),

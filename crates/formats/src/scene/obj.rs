@@ -12,8 +12,9 @@
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, Appendix B1, 1992.
 
-use super::files::{Fence, HINT};
+use super::files::{Fence, find_mentioned, why_not_found};
 use super::mtl;
+use super::pictures::{self, Pictures, Wanted};
 use super::polygon::Triangulator;
 use super::text::{Cursor, place, word_at};
 use crate::error::{SceneError, SceneErrorKind};
@@ -21,11 +22,12 @@ use crate::file;
 use crate::limits::Limits;
 use crate::shown::{quoted, shown};
 use rutilant::material::{Material, MaterialKind};
-use rutilant::scene::MaterialId;
+use rutilant::scene::{BitmapId, MaterialId};
 use rutilant::shape::Mesh;
+use rutilant::texture::ImageTexture;
 use rutilant_geom::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// What an OBJ file holds.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +38,10 @@ pub struct ObjScene {
     /// The materials of all MTL files, with their names. Some meshes may name others. The parts
     /// of a mix follow it, without a name; it counts them in this list.
     pub materials: Vec<Material>,
+    /// The textures that these use, which count their bitmaps in `pictures`.
+    pub textures: Vec<ImageTexture>,
+    /// The pictures that these show, found beside the MTL files that name them.
+    pub(crate) pictures: Pictures,
     /// What was left out or changed, for people: one line each.
     pub notes: Vec<String>,
 }
@@ -485,6 +491,16 @@ impl Parsed<'_> {
         for path in paths {
             let library = mtl::read(&path, self.limits)?;
             self.scene.notes.extend(library.notes);
+            let pictures: Vec<BitmapId> = library
+                .pictures
+                .into_iter()
+                .map(|picture| self.scene.pictures.want(find_picture(&path, picture, fence)))
+                .collect();
+            let first = self.scene.textures.len() as u32;
+            self.scene.textures.extend(library.textures.into_iter().map(|texture| ImageTexture {
+                bitmap: pictures[texture.bitmap.0 as usize],
+                ..texture
+            }));
             let mut wanted = false;
             for mut material in library.materials {
                 // The first file that has a material of some name is the one that counts. What
@@ -498,6 +514,7 @@ impl Parsed<'_> {
                     if let MaterialKind::Mix(mix) = &mut material.kind {
                         (mix.first, mix.second) = (MaterialId(next), MaterialId(next + 1));
                     }
+                    material.each_texture_mut(|id| id.0 += first);
                     self.scene.materials.push(material);
                 }
             }
@@ -515,16 +532,16 @@ impl Parsed<'_> {
     /// there is no file of the whole name, its words are tried.
     fn find_libraries(&mut self, name: &str, fence: &Fence, found: &mut Vec<PathBuf>) {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        if let Some(path) = find_library(folder, name, fence) {
+        if let Some(path) = find_mentioned(folder, name, fence) {
             found.push(path);
             return;
         }
         let words = name.split_ascii_whitespace().take(MOST_LIBRARIES);
-        match words.map(|word| find_library(folder, word, fence)).collect::<Option<Vec<_>>>() {
+        match words.map(|word| find_mentioned(folder, word, fence)).collect::<Option<Vec<_>>>() {
             Some(paths) => found.extend(paths),
             None => {
                 let mut names = std::iter::once(name).chain(name.split_ascii_whitespace());
-                let why = names.find_map(|name| why_no_library(folder, name, fence));
+                let why = names.find_map(|name| why_not_found(folder, name, fence));
                 let name = quoted(name.as_bytes());
                 self.note(&match why {
                     Some(why) => format!("MTL file {name} {why}: its materials are missing"),
@@ -710,60 +727,23 @@ impl Welder {
     }
 }
 
-/// The file `name`, counted from `folder`, if it is there and inside the `fence`. Names that lead
-/// elsewhere, which often are paths of the machine that wrote the file, are looked for by their
-/// last part.
-fn find_library(folder: &Path, name: &str, fence: &Fence) -> Option<PathBuf> {
-    let name = with_slashes(name);
-    let last = name.rsplit('/').next().unwrap_or_default();
-    [&*name, last].into_iter().map(Path::new).find_map(|name| {
-        // Elsewhere's paths start at a root, and asking after one could wake another machine.
-        let may_be_inside = fence.is_open() || !starts_at_root(name);
-        let path = folder.join(name);
-        let is_inside = || path.canonicalize().is_ok_and(|resolved| fence.holds(&resolved));
-        (may_be_inside && path.is_file() && is_inside()).then_some(path)
-    })
-}
-
-/// Why the MTL file of one name was not found, unless there is just none.
-fn why_no_library(folder: &Path, name: &str, fence: &Fence) -> Option<String> {
-    let name = with_slashes(name);
-    if find_library(folder, &name, fence).is_some() {
-        return None;
-    }
-    let name = Path::new(&name);
-    if !fence.is_open() && (starts_at_root(name) || !fence.holds(&climbed(folder, name)?)) {
-        return Some(format!("leads out of the folder; {HINT}"));
-    }
-    let path = folder.join(name);
-    if !fence.holds(&path.canonicalize().ok()?) {
-        return Some(format!("leads out of the folder through a symbolic link; {HINT}"));
-    }
-    let what = file::not_regular(&path.metadata().ok()?)?;
-    Some(format!("is {what}, not a file"))
-}
-
-/// Where a name leads from a folder, by its words alone: nothing is looked at outside.
-fn climbed(folder: &Path, name: &Path) -> Option<PathBuf> {
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let mut path = here.canonicalize().ok()?;
-    for part in name.components() {
-        match part {
-            Component::ParentDir => {
-                path.pop();
-            }
-            Component::Normal(part) => path.push(part),
-            Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
+/// The picture that an MTL file at `path` names.
+fn find_picture(path: &Path, picture: mtl::Picture, fence: &Fence) -> Wanted {
+    let mtl::Picture { name, at } = picture;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let from = match find_mentioned(folder, &name, fence) {
+        Some(path) => {
+            let identity = path.canonicalize().unwrap_or_else(|_| path.clone());
+            pictures::From::File { path, identity }
         }
-    }
-    Some(path)
-}
-
-/// A name as it stands in an MTL statement, with the slashes of all systems.
-fn with_slashes(name: &str) -> String {
-    name.trim_matches('"').replace('\\', "/")
-}
-
-fn starts_at_root(path: &Path) -> bool {
-    path.components().any(|part| matches!(part, Component::Prefix(_) | Component::RootDir))
+        None => {
+            let quoted = quoted(name.as_bytes());
+            let why = why_not_found(folder, &name, fence);
+            pictures::From::Nowhere(match why {
+                Some(why) => format!("picture {quoted} {why}"),
+                None => format!("there is no picture {quoted} beside the MTL file"),
+            })
+        }
+    };
+    Wanted { from, at }
 }

@@ -8,6 +8,7 @@ use rutilant::geom::Vec3;
 use rutilant::scene::Scene;
 use rutilant::settings::Settings;
 use rutilant::shape::Mesh;
+use rutilant::texture::{Bitmap, Texture};
 use rutilant::{Prepared, Session};
 use rutilant_formats::scene::{mtl, obj, ply};
 use rutilant_formats::{Limits, ReadOptions, image, parse_native};
@@ -113,6 +114,7 @@ const MTL_WORDS: &[&[u8]] = &[
     b"Pr ",
     b"Pm ",
     b"map_Kd ",
+    b"map_Kd -s 2 3 -o 1 -clamp on a.png\n",
     b"-halo ",
     b"spectral ",
     b"xyz ",
@@ -194,6 +196,9 @@ fn mtl(bytes: &[u8]) -> bool {
             let camera = Perspective::look_at(Vec3::Z, Vec3::ZERO, 1.0).expect("a view");
             let mut scene = Scene::new(camera);
             scene.materials = library.materials;
+            let solid = || Arc::new(Bitmap::solid([0; 4]));
+            scene.bitmaps = library.pictures.iter().map(|_| solid()).collect();
+            scene.textures = library.textures.into_iter().map(Texture::from).collect();
             scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
             true
         }

@@ -241,7 +241,7 @@ fn rough_and_thin_materials_mean_what_they_say() {
         read(&text).scene.materials[1].kind.clone()
     };
     let MaterialKind::Matte(clay) = kind("type = \"matte\"\nroughness = 0.7") else { panic!() };
-    assert_eq!((clay.albedo, clay.roughness), (Rgb::grey(0.5), 0.7));
+    assert_eq!((clay.albedo.factor, clay.roughness), (Rgb::grey(0.5), 0.7));
     for (lines, sampling) in [
         ("", HemisphereSampling::Cosine),
         ("sampling = \"cosine\"", HemisphereSampling::Cosine),

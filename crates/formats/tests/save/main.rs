@@ -129,7 +129,7 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
         0 => MaterialKind::Black,
         1 => MaterialKind::Null,
         2 => MaterialKind::Matte(Matte {
-            albedo: rgb(random),
+            albedo: rgb(random).into(),
             roughness: 0.0,
             sampling: [HemisphereSampling::Cosine, HemisphereSampling::Uniform][random.below(2)],
         }),

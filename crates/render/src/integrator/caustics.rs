@@ -267,6 +267,8 @@ impl<'a> Caustics<'a> {
     ) -> bool {
         let at = self.scene.interaction(hit, path.ray.direction);
         let material = self.scene.material(&at);
+        let varied = self.scene.varied_at(hit, material);
+        let material = varied.as_ref().unwrap_or(material);
         let (wo, from_front) = (at.wo_local(), at.wo_local().z > 0.0);
         path.depth += 1;
         if path.depth == 1 {

@@ -29,7 +29,7 @@ impl Integrator for Albedo {
         *rays += 1;
         scene.closest(&ray).map_or(Spectrum::BLACK, |hit| {
             let material = scene.material(&scene.interaction(&hit, ray.direction));
-            scene.custom_at(&hit, material).as_ref().unwrap_or(material).bsdf.albedo()
+            scene.varied_at(&hit, material).as_ref().unwrap_or(material).bsdf.albedo()
         })
     }
 }

@@ -1,14 +1,14 @@
 //! A matte surface: paper, plaster, chalk.
 
-use crate::color::Rgb;
 use crate::problem::{Place, SceneProblem, UNIT};
+use crate::texture::ColorInput;
 
 /// Scatters light diffusely, on both sides. See [`Lambert`](crate::bsdf::Lambert) and, for rough
 /// surfaces, [`OrenNayar`](crate::bsdf::OrenNayar).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matte {
     /// The part of the light sent back, 0 to 1 per channel.
-    pub albedo: Rgb,
+    pub albedo: ColorInput,
     /// How rough it is, 0 to 1: from paper, equally bright from everywhere, to the moon.
     pub roughness: f32,
     /// How scattered directions are drawn. The picture is the same, its noise is not.
@@ -29,12 +29,12 @@ pub enum HemisphereSampling {
 
 impl Matte {
     /// Without roughness.
-    pub fn new(albedo: Rgb) -> Self {
-        Self { albedo, roughness: 0.0, sampling: HemisphereSampling::Cosine }
+    pub fn new(albedo: impl Into<ColorInput>) -> Self {
+        Self { albedo: albedo.into(), roughness: 0.0, sampling: HemisphereSampling::Cosine }
     }
 
-    pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
-        place.check("albedo", self.albedo.0, UNIT)?;
+    pub(super) fn validate(&self, place: Place, textures: usize) -> Result<(), SceneProblem> {
+        self.albedo.validate(place, "albedo", UNIT, textures)?;
         place.check("roughness", [self.roughness], UNIT)?;
         if self.sampling == HemisphereSampling::Uniform && self.roughness != 0.0 {
             let what = "sampling \"uniform\" is for smooth surfaces; rough ones take \"cosine\"";

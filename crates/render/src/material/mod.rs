@@ -21,6 +21,7 @@ pub use mix::Mix;
 pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
+use crate::id::TextureId;
 use crate::problem::{Place, SceneProblem, UNIT};
 use std::sync::Arc;
 
@@ -78,6 +79,22 @@ impl Material {
         self
     }
 
+    /// Tells the texture of each input that has one, to be changed: for scenes that are put together
+    /// of parts.
+    pub fn each_texture_mut(&mut self, mut tell: impl FnMut(&mut TextureId)) {
+        match &mut self.kind {
+            MaterialKind::Matte(m) => m.albedo.texture.iter_mut().for_each(&mut tell),
+            MaterialKind::Black
+            | MaterialKind::Null
+            | MaterialKind::Mirror(_)
+            | MaterialKind::Conductor(_)
+            | MaterialKind::Dielectric(_)
+            | MaterialKind::ThinDielectric(_)
+            | MaterialKind::Mix(_)
+            | MaterialKind::Custom(_) => {}
+        }
+    }
+
     /// False where nothing glows, or only black.
     pub fn gives_light(&self) -> bool {
         self.emission.is_some_and(|e| match e.light {
@@ -85,11 +102,16 @@ impl Material {
         })
     }
 
-    pub(crate) fn validate(&self, index: usize, all: &[Self]) -> Result<(), SceneProblem> {
+    pub(crate) fn validate(
+        &self,
+        index: usize,
+        all: &[Self],
+        textures: usize,
+    ) -> Result<(), SceneProblem> {
         let place = Place::Material(index);
         match &self.kind {
             MaterialKind::Black | MaterialKind::Null | MaterialKind::Custom(_) => {}
-            MaterialKind::Matte(m) => m.validate(place)?,
+            MaterialKind::Matte(m) => m.validate(place, textures)?,
             MaterialKind::Mirror(m) => m.validate(place)?,
             MaterialKind::Conductor(m) => m.validate(place)?,
             MaterialKind::Dielectric(m) => {

@@ -2,6 +2,7 @@
 
 use super::material::{passes, prepare_materials};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
+use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
 use crate::light::{
     DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, ParallelogramEmitter, SphereEmitter,
@@ -30,6 +31,7 @@ pub(super) struct Assembly {
     objects: Vec<PreparedObject>,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
+    colors: Vec<[f32; 4]>,
     emitters: Vec<Emitter>,
     some_pass: bool,
     /// What each object encloses.
@@ -96,7 +98,9 @@ impl Assembly {
         if self.emitters.iter().all(dark) {
             self.notes.push("nothing gives light: the picture will be black".to_owned().into());
         }
-        let (materials, custom_materials) = prepare_materials(&scene.materials);
+        let known = before.map(|before| &*before.textures);
+        let textures = PreparedTextures::new(scene, known, &mut self.notes);
+        let (materials, varying) = prepare_materials(&scene.materials, &textures);
         let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
         ranked.retain(|b| b.rank.is_some());
         ranked.sort_unstable_by_key(|b| b.rank);
@@ -114,13 +118,15 @@ impl Assembly {
             disks: disks as u64,
             customs: customs as u64,
             materials: scene.materials.len() as u64,
+            textures: scene.textures.len() as u64,
+            texture_bytes: textures.bytes(),
             emitters: self.emitters.len() as u64,
             bounds: surfaces.bounds(),
             bvh: *surfaces.report(),
             notes: self.notes,
         };
         let has_borders = materials.iter().any(|m| m.border.is_some());
-        let is_plain = !materials.iter().any(crate::prepare::PreparedMaterial::depends_on_place);
+        let is_plain = !materials.iter().any(crate::prepare::PreparedMaterial::bends_the_way);
         let mut prepared = Prepared {
             camera: scene.camera,
             surfaces,
@@ -129,13 +135,16 @@ impl Assembly {
             objects: self.objects.into(),
             normals: self.normals.into(),
             uvs: self.uvs.into(),
+            colors: self.colors.into(),
+            textures: Arc::new(textures),
             materials: materials.into(),
-            custom_materials: custom_materials.into(),
+            varying: varying.into(),
             light_beyond_sampling: !ranked_media.is_empty()
                 || self.emitters.iter().any(Emitter::is_custom),
             ranked_media: ranked_media.into(),
             emitters: self.emitters.into(),
             environment,
+            eye: Eye::default(),
             camera_media: Media::NONE,
             some_pass: self.some_pass,
             has_borders,
@@ -158,8 +167,11 @@ impl Assembly {
             emitters: ObjectEmitters::None,
             first_primitive: self.triangles.len() as u32,
             first_vertex: self.positions.len() as u32,
+            vertices: 0,
             first_normal: None,
             first_uv: None,
+            uv_sets: 0,
+            first_color: None,
         };
         // What neither scatters nor glows is left out.
         if passes(material) && !material.gives_light() {
@@ -176,7 +188,7 @@ impl Assembly {
                 self.add_mesh(&box_mesh(*size), number, object, material, &mut prepared);
             }
             Shape::Rectangle { size } => {
-                let corners = self.add_rectangle(*size, world_from_object, number);
+                let corners = self.add_rectangle(*size, world_from_object, number, &mut prepared);
                 let area = 2.0 * triangle_area(corners);
                 if let Some(glow) = self.glow(number, material, area) {
                     let emitter = ParallelogramEmitter::new(corners, glow);
@@ -261,10 +273,21 @@ impl Assembly {
             let normals = mesh.normals.iter();
             self.normals.extend(normals.map(|&n| transform.normal(n).normalize_or_zero()));
         }
-        if !mesh.uvs.is_empty() {
+        let sets = std::iter::once(&mesh.uvs).chain(&mesh.more_uvs);
+        if sets.clone().any(|uvs| !uvs.is_empty()) {
             prepared.first_uv = Some(self.uvs.len() as u32);
-            self.uvs.extend_from_slice(&mesh.uvs);
+            for uvs in sets {
+                self.uvs.extend_from_slice(uvs);
+                let missing = if uvs.is_empty() { mesh.positions.len() } else { 0 };
+                self.uvs.resize(self.uvs.len() + missing, Vec2::ZERO);
+                prepared.uv_sets += 1;
+            }
         }
+        if !mesh.colors.is_empty() {
+            prepared.first_color = Some(self.colors.len() as u32);
+            self.colors.extend_from_slice(&mesh.colors);
+        }
+        prepared.vertices = mesh.positions.len() as u32;
         self.add_triangle_emitters(first_triangle, number, material, prepared);
     }
 
@@ -291,13 +314,24 @@ impl Assembly {
     }
 
     /// Adds two triangles; returns the corner and its two neighbours.
-    fn add_rectangle(&mut self, size: Vec2, transform: &Transform, number: usize) -> [Vec3; 3] {
+    fn add_rectangle(
+        &mut self,
+        size: Vec2,
+        transform: &Transform,
+        number: usize,
+        prepared: &mut PreparedObject,
+    ) -> [Vec3; 3] {
         let (x, y) = (0.5 * size.x, 0.5 * size.y);
         let mut corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
             .map(|(x, y)| transform.point(Vec3::new(x, y, 0.0)));
+        let mut uvs = SQUARE;
         if transform.mirrors() {
             corners.swap(1, 3);
+            uvs.swap(1, 3);
         }
+        (prepared.first_uv, prepared.uv_sets) = (Some(self.uvs.len() as u32), 1);
+        prepared.vertices = 4;
+        self.uvs.extend(uvs);
         let first = self.positions.len() as u32;
         self.positions.extend(corners);
         self.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|v| v + first)));
@@ -354,16 +388,21 @@ fn triangle_area(corners: [Vec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// A box around the origin with outward normals, its corners shared so that no ray slips through.
+/// Texture coordinates of a rectangle, counter-clockwise from its lower left corner.
+const SQUARE: [Vec2; 4] = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+
+/// A box around the origin with outward normals. Each side has four vertices for its texture
+/// coordinates; those of other sides are at the same points, so no ray slips through.
 fn box_mesh(size: Vec3) -> Mesh {
     let half = 0.5 * size;
-    let positions = (0..8)
-        .map(|i| {
-            half * Vec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }))
-        })
-        .collect();
+    let corner = |i: u32| {
+        half * Vec3::from([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }))
+    };
     let faces =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { name: "box".into(), positions, triangles, ..Mesh::default() }
+        [[0, 4, 6, 2], [5, 1, 3, 7], [0, 1, 5, 4], [6, 7, 3, 2], [1, 0, 2, 3], [4, 5, 7, 6]];
+    let positions = faces.as_flattened().iter().map(|&i| corner(i)).collect();
+    let uvs = faces.iter().flat_map(|_| SQUARE).collect();
+    let first = (0..).step_by(4).take(faces.len());
+    let triangles = first.flat_map(|i| [[i, i + 1, i + 2], [i, i + 2, i + 3]]).collect();
+    Mesh { name: "box".into(), positions, uvs, triangles, ..Mesh::default() }
 }

@@ -1,10 +1,12 @@
 //! Materials as they meet light: from what the author wrote to BSDFs and borders between media.
 
+use super::texture::PreparedTextures;
+use super::varying::{Varying, VaryingLobe};
 use crate::bsdf::{
-    Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
-    SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
+    Bsdf, Fresnel, Lobe, PerfectMirror, RoughConductor, RoughDielectric, SmoothConductor,
+    SmoothDielectric, ThinDielectric,
 };
-use crate::material::{CustomMaterial, Dielectric, HemisphereSampling, Material, MaterialKind};
+use crate::material::{Dielectric, Material, MaterialKind};
 use crate::medium::{Border, PreparedMedium};
 use crate::scene::MaterialId;
 use std::collections::BTreeMap;
@@ -13,11 +15,12 @@ use std::sync::Arc;
 /// A material as it meets light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedMaterial {
+    /// How it scatters; in the mean, where it varies.
     pub(crate) bsdf: Bsdf,
     /// Set where light can cross the surface.
     pub(crate) border: Option<Border>,
-    /// The number of the custom material that tells the BSDF of each place.
-    pub(super) custom: Option<u32>,
+    /// The number of what tells the BSDF of each place, where that is not the same everywhere.
+    pub(super) varying: Option<u32>,
     /// True where rays go on as if there were nothing.
     pub(crate) passes: bool,
 }
@@ -25,7 +28,7 @@ pub(crate) struct PreparedMaterial {
 impl From<Bsdf> for PreparedMaterial {
     /// A surface that light does not cross.
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, border: None, custom: None, passes: false }
+        Self { bsdf, border: None, varying: None, passes: false }
     }
 }
 
@@ -35,9 +38,19 @@ impl PreparedMaterial {
         self.border.and_then(|b| b.rank)
     }
 
+    /// True where it scatters otherwise in different places.
+    pub(crate) fn varies(&self) -> bool {
+        self.varying.is_some()
+    }
+
     /// True where more than the material decides what the surface does to light.
     pub(crate) fn depends_on_place(&self) -> bool {
-        self.custom.is_some() || self.passes || self.rank().is_some()
+        self.varying.is_some() || self.passes || self.rank().is_some()
+    }
+
+    /// True where a path does not go from one surface to the next by the material alone.
+    pub(super) fn bends_the_way(&self) -> bool {
+        self.passes || self.rank().is_some()
     }
 
     /// The same as a border between the media that it lies between at some place.
@@ -62,10 +75,11 @@ pub(super) fn passes(material: &Material) -> bool {
     }
 }
 
-/// All materials as they meet light, and the custom ones among them.
+/// All materials as they meet light, and what tells more of those that vary.
 pub(super) fn prepare_materials(
     all: &[Material],
-) -> (Vec<PreparedMaterial>, Vec<Arc<dyn CustomMaterial>>) {
+    textures: &PreparedTextures,
+) -> (Vec<PreparedMaterial>, Vec<Varying>) {
     // The strongest first; of equally strong ones the first.
     let priority = |m: &Material| match &m.kind {
         MaterialKind::Dielectric(Dielectric { priority, .. }) => *priority,
@@ -87,15 +101,36 @@ pub(super) fn prepare_materials(
     let ranks: BTreeMap<usize, u32> =
         ranked.iter().zip(0..).map(|((_, i), rank)| (*i, rank)).collect();
 
-    let mut customs = Vec::new();
+    let mut varying = Vec::new();
     let prepare = |(i, material): (usize, &Material)| {
-        let mut prepared = PreparedMaterial::from(lobe(material).map_or(Bsdf::BLACK, Bsdf::from));
+        let lobes = match &material.kind {
+            MaterialKind::Mix(mix) => {
+                let part =
+                    |id: MaterialId, share: f32| lobe(&all[id.0 as usize]).map(|l| (share, l));
+                [part(mix.first, 1.0 - mix.amount), part(mix.second, mix.amount)]
+            }
+            MaterialKind::Black
+            | MaterialKind::Matte(_)
+            | MaterialKind::Mirror(_)
+            | MaterialKind::Conductor(_)
+            | MaterialKind::ThinDielectric(_)
+            | MaterialKind::Null
+            | MaterialKind::Dielectric(_)
+            | MaterialKind::Custom(_) => [lobe(material).map(|lobe| (1.0, lobe)), None],
+        };
+        let mean = lobes.iter().flatten().map(|(weight, lobe)| (*weight, lobe.mean(textures)));
+        let mut prepared = PreparedMaterial::from(Bsdf::sum(mean));
+        if lobes.iter().flatten().any(|(_, lobe)| lobe.varies()) {
+            prepared.varying = Some(varying.len() as u32);
+            varying.push(Varying::Lobes(lobes));
+        }
         match &material.kind {
             MaterialKind::Black
             | MaterialKind::Matte(_)
             | MaterialKind::Mirror(_)
             | MaterialKind::Conductor(_)
-            | MaterialKind::ThinDielectric(_) => {}
+            | MaterialKind::ThinDielectric(_)
+            | MaterialKind::Mix(_) => {}
             MaterialKind::Null => prepared.passes = true,
             MaterialKind::Dielectric(d) => {
                 let medium = |m: &crate::material::Medium| PreparedMedium {
@@ -106,40 +141,25 @@ pub(super) fn prepare_materials(
                 let rank = ranks.get(&i).copied();
                 prepared.border = Some(Border { interior, exterior, material: i as u32, rank });
             }
-            MaterialKind::Mix(mix) => {
-                let part =
-                    |id: MaterialId, share: f32| lobe(&all[id.0 as usize]).map(|l| (share, l));
-                let parts = [part(mix.first, 1.0 - mix.amount), part(mix.second, mix.amount)];
-                prepared.bsdf = Bsdf::sum(parts.into_iter().flatten());
-            }
             MaterialKind::Custom(custom) => {
-                prepared.custom = Some(customs.len() as u32);
-                customs.push(Arc::clone(custom));
+                prepared.varying = Some(varying.len() as u32);
+                varying.push(Varying::Custom(Arc::clone(custom)));
             }
         }
         prepared
     };
     let materials = all.iter().enumerate().map(prepare).collect();
-    (materials, customs)
+    (materials, varying)
 }
 
 /// The lobe of a material that has just one.
-fn lobe(material: &Material) -> Option<Lobe> {
-    match &material.kind {
+fn lobe(material: &Material) -> Option<VaryingLobe> {
+    let lobe = match &material.kind {
+        MaterialKind::Matte(matte) => return Some(VaryingLobe::Matte(*matte)),
         MaterialKind::Black | MaterialKind::Mix(_) | MaterialKind::Custom(_) => None,
         // What passes unscattered crosses a border between equal media.
         MaterialKind::Null => {
             Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))
-        }
-        MaterialKind::Matte(m) if m.roughness == 0.0 => {
-            let albedo = m.albedo.into();
-            Some(match m.sampling {
-                HemisphereSampling::Cosine => Lobe::Lambert(Lambert { albedo }),
-                HemisphereSampling::Uniform => Lobe::UniformLambert(UniformLambert { albedo }),
-            })
-        }
-        MaterialKind::Matte(m) => {
-            Some(Lobe::OrenNayar(OrenNayar::new(m.albedo.into(), m.roughness)))
         }
         MaterialKind::Mirror(m) => {
             Some(Lobe::Mirror(PerfectMirror { reflectance: m.reflectance.into() }))
@@ -158,5 +178,6 @@ fn lobe(material: &Material) -> Option<Lobe> {
         MaterialKind::ThinDielectric(m) => {
             Some(Lobe::ThinDielectric(ThinDielectric::new(m.ior, m.color.into())))
         }
-    }
+    };
+    lobe.map(VaryingLobe::Fixed)
 }

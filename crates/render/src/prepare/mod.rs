@@ -9,6 +9,8 @@ mod casters;
 mod casting;
 mod material;
 mod prepared;
+mod texture;
+mod varying;
 
 pub(crate) use casters::{Aim, Outlook};
 pub(crate) use casting::Casting;

@@ -2,10 +2,12 @@
 
 use super::casting::{Casting, Extent};
 use super::material::PreparedMaterial;
+use super::texture::{Eye, PreparedTextures};
+use super::varying::Varying;
 use crate::camera::Camera;
+use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter};
-use crate::material::{CustomMaterial, SurfacePoint};
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
 use crate::settings::{IntegratorKind, Settings, Strategy};
@@ -28,13 +30,18 @@ pub struct Prepared {
     pub(super) objects: Arc<[PreparedObject]>,
     pub(super) normals: Arc<[Vec3]>,
     pub(super) uvs: Arc<[Vec2]>,
+    pub(super) colors: Arc<[[f32; 4]]>,
+    pub(super) textures: Arc<PreparedTextures>,
     pub(super) materials: Arc<[PreparedMaterial]>,
-    pub(super) custom_materials: Arc<[Arc<dyn CustomMaterial>]>,
+    /// What tells more of materials that vary.
+    pub(super) varying: Arc<[Varying]>,
     /// Those with a priority, the strongest first.
     pub(super) ranked_media: Arc<[PreparedMedium]>,
     pub(super) emitters: Arc<[Emitter]>,
     /// The emitter that is the sky.
     pub(super) environment: Option<u32>,
+    /// How much of it a pixel shows, once the film is known.
+    pub(super) eye: Eye,
     /// What the camera stands in.
     pub(super) camera_media: Media,
     /// True where scattered rays may find light that light sampling cannot.
@@ -65,6 +72,10 @@ pub struct PrepareReport {
     pub customs: u64,
     /// Materials.
     pub materials: u64,
+    /// Textures.
+    pub textures: u64,
+    /// Bytes that their pictures take, with the smaller versions made of them.
+    pub texture_bytes: u64,
     /// Emitters: lights, glowing triangles and shapes, the sky.
     pub emitters: u64,
     /// The smallest box around everything.
@@ -84,10 +95,15 @@ pub(super) struct PreparedObject {
     pub(super) emitters: ObjectEmitters,
     pub(super) first_primitive: u32,
     pub(super) first_vertex: u32,
+    pub(super) vertices: u32,
     /// Where its vertex normals start in the common array, if it has some.
     pub(super) first_normal: Option<u32>,
     /// Where its texture coordinates start in the common array, if it has some.
     pub(super) first_uv: Option<u32>,
+    /// How many sets of them there are, one after the other.
+    pub(super) uv_sets: u32,
+    /// Where its vertex colours start in the common array, if it has some.
+    pub(super) first_color: Option<u32>,
 }
 
 /// Which emitters an object is.
@@ -275,14 +291,25 @@ impl Prepared {
         (change - unit * change.dot(unit)) * (front / length)
     }
 
-    /// Texture coordinates at a hit: interpolated where the mesh has some, else the hit's own
-    /// parameters (barycentric weights for triangles).
+    /// Texture coordinates at a hit: interpolated where the mesh has some, else barycentric weights.
+    /// On a sphere longitude and latitude, on a disk and a rectangle from one side to the other, each
+    /// from 0 to 1; on a custom shape its own.
     pub fn uv(&self, hit: &Hit) -> Vec2 {
-        let object = self.object(hit);
-        let Some(first_uv) = object.first_uv else { return Vec2::new(hit.u, hit.v) };
-        let vertices = self.surfaces.triangles()[hit.primitive as usize];
-        let [a, b, c] = vertices.map(|v| self.uvs[(v - object.first_vertex + first_uv) as usize]);
+        let own = Vec2::new(hit.u, hit.v);
+        let Some(&triangle) = self.surfaces.triangles().get(hit.primitive as usize) else {
+            let disks = self.surfaces.triangles().len() + self.surfaces.spheres().len();
+            let number = (hit.primitive as usize).checked_sub(disks);
+            let on_a_disk = number.is_some_and(|n| n < self.surfaces.disks().len());
+            return if on_a_disk { 0.5 + 0.5 * own } else { own };
+        };
+        let [a, b, c] = self.uvs_of(self.object(hit), triangle, 0);
         a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
+    }
+
+    /// The same scene as a film of this size sees it.
+    pub(crate) fn on_film(&self, size: [u32; 2]) -> Self {
+        let eye = Eye::new(&self.camera.prepare(size), &self.camera.axis());
+        Self { eye, ..self.clone() }
     }
 
     /// Lets `camera`, a valid one, see the scene.
@@ -406,15 +433,21 @@ impl Prepared {
         &self.materials[interaction.material as usize]
     }
 
-    /// A custom material as it is where it was hit; `None` for all others.
-    pub(crate) fn custom_at(
+    /// A material that varies, as it is where it was hit; `None` for all others.
+    pub(crate) fn varied_at(
         &self,
         hit: &Hit,
         material: &PreparedMaterial,
     ) -> Option<PreparedMaterial> {
-        let custom = &self.custom_materials[material.custom? as usize];
-        let point = SurfacePoint { position: hit.position, normal: hit.normal, uv: self.uv(hit) };
-        Some(PreparedMaterial { bsdf: custom.bsdf(&point), ..*material })
+        let bsdf = self.varied_bsdf(material.varying?, hit);
+        Some(PreparedMaterial { bsdf, ..*material })
+    }
+
+    /// The albedo where it was hit of a material that varies and is nothing but Lambert's; `None` for
+    /// all others.
+    #[inline]
+    pub(crate) fn lambert_at(&self, hit: &Hit, material: &PreparedMaterial) -> Option<Spectrum> {
+        self.varied_lambert(material.varying?, hit)
     }
 
     /// Everything that shines.
@@ -448,7 +481,7 @@ impl Prepared {
         self.casting.as_deref()
     }
 
-    fn object(&self, hit: &Hit) -> &PreparedObject {
+    pub(super) fn object(&self, hit: &Hit) -> &PreparedObject {
         &self.objects[self.object_of_primitive[hit.primitive as usize] as usize]
     }
 }

@@ -18,6 +18,12 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// One texture coordinate per vertex; empty where there are none.
     pub uvs: Vec<Vec2>,
+    /// Further sets of texture coordinates, each with one per vertex; textures that ask for set 1
+    /// get the first of these.
+    pub more_uvs: Vec<Vec<Vec2>>,
+    /// One colour and opacity per vertex, linear; empty where there are none. Materials use them
+    /// where they say so.
+    pub colors: Vec<[f32; 4]>,
     /// Three vertex numbers each.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -26,7 +32,13 @@ impl Mesh {
     pub(crate) fn validate(&self, index: usize) -> Result<(), SceneProblem> {
         let place = Place::Mesh(index);
         let count = self.positions.len();
-        for (key, length) in [("normals", self.normals.len()), ("uvs", self.uvs.len())] {
+        let lengths = [
+            ("normals", self.normals.len()),
+            ("uvs", self.uvs.len()),
+            ("colors", self.colors.len()),
+        ];
+        let more = self.more_uvs.iter().map(|uvs| ("uvs", uvs.len()));
+        for (key, length) in lengths.into_iter().chain(more) {
             if length != 0 && length != count {
                 return Err(place.problem(
                     key,

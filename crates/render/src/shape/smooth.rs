@@ -51,6 +51,10 @@ impl Mesh {
                     smooth.positions.push(self.positions[v]);
                     smooth.normals.push(sums[fan].try_normalize().unwrap_or(Vec3::Y));
                     smooth.uvs.extend(self.uvs.get(v));
+                    smooth.colors.extend(self.colors.get(v));
+                    for (uvs, own) in smooth.more_uvs.iter_mut().zip(&self.more_uvs) {
+                        uvs.extend(own.get(v));
+                    }
                     (smooth.positions.len() - 1) as u32
                 });
             }

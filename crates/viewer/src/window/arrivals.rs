@@ -276,6 +276,12 @@ impl Window {
             }
             _ => theirs.clone(),
         };
+        // Materials that were edited know the textures of before by their numbers.
+        let same_textures =
+            self.document.as_ref().is_some_and(|before| before.textures == document.textures);
+        if !same_textures {
+            look.materials.clone_from(&theirs.materials);
+        }
         // The images are those of the file again: one that was added to them is read anew.
         let unchanged = before.as_ref().is_some_and(|b| b.environment == theirs.environment);
         let added_sky = self.added_sky().filter(|_| again && unchanged);
@@ -285,6 +291,7 @@ impl Window {
         // States of before fit the scene as long as images and materials have their numbers.
         let names = |look: &Look| look.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
         let fits = self.image_names == document.image_names
+            && same_textures
             && before.as_ref().is_some_and(|before| names(before) == names(&theirs));
         stage.scene.camera = match look.camera.camera(look.settings.size) {
             Ok(camera) => camera,

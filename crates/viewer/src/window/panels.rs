@@ -185,7 +185,8 @@ fn one_material(ui: &mut Ui, material: &mut Material) {
     match &mut material.kind {
         MaterialKind::Black | MaterialKind::Null => {}
         MaterialKind::Matte(m) => {
-            color(ui, "Albedo", &mut m.albedo);
+            let name = if m.albedo.varies() { "Albedo × texture" } else { "Albedo" };
+            color(ui, name, &mut m.albedo.factor);
             if m.sampling == rutilant::material::HemisphereSampling::Cosine {
                 number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
             }

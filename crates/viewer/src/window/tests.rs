@@ -96,6 +96,7 @@ impl Desk {
                     },
                     limits: Limits::default(),
                     allow_outside: false,
+                    strict: false,
                     camera: None,
                     size: None,
                     adjust: Arc::new(|_| {}),

@@ -6,10 +6,13 @@ use crate::limits::Limits;
 use crate::options::ReadOptions;
 use crate::scene::bare;
 use crate::scene::files::Files;
+use crate::scene::loaded::TextureName;
+use crate::scene::pictures::Pictures;
 use crate::shown::shown;
 use rutilant::material::Material;
-use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem};
+use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem, TextureId};
 use rutilant::shape::{Mesh, Object};
+use rutilant::texture::Texture;
 use rutilant_geom::Aabb;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -25,6 +28,12 @@ pub(super) struct Draft<'d> {
     pub(super) notes: Vec<String>,
     /// Materials by name.
     pub(super) materials: HashMap<&'d str, MaterialId>,
+    /// Textures by name.
+    pub(super) textures: HashMap<&'d str, TextureId>,
+    /// What the text calls them.
+    pub(super) texture_names: Vec<TextureName>,
+    /// The pictures that they show.
+    pub(super) pictures: Pictures,
     /// Mesh files that have been read, by file and crease angle.
     pub(super) mesh_files: HashMap<(PathBuf, Option<u32>), Rc<MeshFile>>,
     /// The matte grey for faces without a material, once one needed it.
@@ -58,6 +67,9 @@ impl<'d> Draft<'d> {
             places: HashMap::new(),
             notes: Vec::new(),
             materials: HashMap::new(),
+            textures: HashMap::new(),
+            texture_names: Vec::new(),
+            pictures: Pictures::default(),
             mesh_files: HashMap::new(),
             grey: None,
             files: Files::beside(file, options),
@@ -72,6 +84,18 @@ impl<'d> Draft<'d> {
     pub(super) fn add_material(&mut self, table: &Table<'d>, material: Material) -> MaterialId {
         self.places.insert(Place::Material(self.scene.materials.len()), *table);
         self.scene.add_material(material)
+    }
+
+    /// Adds a texture that `table` is to answer for.
+    pub(super) fn add_texture(
+        &mut self,
+        table: &Table<'d>,
+        name: TextureName,
+        texture: impl Into<Texture>,
+    ) -> TextureId {
+        self.places.insert(Place::Texture(self.scene.textures.len()), *table);
+        self.texture_names.push(name);
+        self.scene.add_texture(texture)
     }
 
     /// Adds a mesh that `table` is to answer for, unless there are too many triangles by now.
@@ -119,6 +143,7 @@ impl<'d> Draft<'d> {
             Place::Settings
             | Place::Camera
             | Place::Environment
+            | Place::Texture(_)
             | Place::Object(_)
             | Place::Light(_) => None,
         };

@@ -3,7 +3,7 @@
 //! docs/scene-format.md explains each; a test below sees to that.
 
 pub(super) const ROOT: &[&str] =
-    &["version", "render", "camera", "environment", "material", "shape", "light"];
+    &["version", "render", "camera", "environment", "texture", "material", "shape", "light"];
 
 pub(super) const RENDER: &[&str] = &[
     "size",
@@ -42,6 +42,12 @@ pub(super) const ORTHOGRAPHIC: &[&str] = &["height"];
 
 pub(super) const ENVIRONMENT: &[&str] =
     &["image", "projection", "color", "scale", "rotation_degrees"];
+
+pub(super) const ANY_TEXTURE: &[&str] =
+    &["name", "type", "uv_scale", "uv_rotation_degrees", "uv_offset", "uv_set"];
+pub(super) const IMAGE_TEXTURE: &[&str] = &["image", "encoding", "wrap", "interpolation"];
+pub(super) const CHECKER: &[&str] = &["first", "second"];
+pub(super) const COLOR_INPUT: &[&str] = &["texture", "image", "factor", "vertex_colors"];
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
 pub(super) const EMISSION: &[&str] = &["radiance", "power", "two_sided"];
@@ -87,6 +93,10 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a perspective [camera]", PERSPECTIVE),
     ("an orthographic [camera]", ORTHOGRAPHIC),
     ("[environment]", ENVIRONMENT),
+    ("[[texture]]", ANY_TEXTURE),
+    ("an image texture", IMAGE_TEXTURE),
+    ("a checker", CHECKER),
+    ("a textured color", COLOR_INPUT),
     ("[[material]]", ANY_MATERIAL),
     ("an emissive material or emission", EMISSION),
     ("a material that scatters", SCATTERING),
@@ -132,8 +142,11 @@ pub(super) fn is_known(name: &str) -> bool {
 /// Properties that an author may give by other keys: a problem with the one is shown at the
 /// first of the others. What comes from a file is shown at the file's name.
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
+    ("scale", &["uv_scale"]),
     ("transform", &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit"]),
     ("fov_degrees", &["focal_length_mm"]),
+    ("rotation_degrees", &["uv_rotation_degrees"]),
+    ("offset", &["uv_offset"]),
     ("direction", &["look_at"]),
     ("aperture_radius", &["f_number"]),
     ("focus_distance", &["focus_at", "look_at"]),

@@ -4,7 +4,9 @@ use super::draft::Draft;
 use super::keys;
 use super::said::{self, Group, Said, Written, color, number};
 use super::table::{Table, Value};
+use super::texture;
 use crate::error::SceneError;
+use crate::scene::loaded::TextureName;
 use crate::shown::shown;
 use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
@@ -71,7 +73,7 @@ pub(super) fn read_all<'d>(tables: &[Table<'d>], draft: &mut Draft<'d>) -> Resul
         })?;
     }
     for table in tables {
-        let material = read(table, &draft.materials)?.named(table.must("name", Value::text)?);
+        let material = read(table, draft)?.named(table.must("name", Value::text)?);
         draft.add_material(table, material);
     }
     note_lost_emission(draft);
@@ -90,7 +92,7 @@ pub(super) fn named(value: &Value<'_>, names: &Names<'_>) -> Result<MaterialId, 
     })
 }
 
-fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
+fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneError> {
     let allow = |table: &Table<'_>, keys| table.only(&[keys::ANY_MATERIAL, keys::SCATTERING, keys]);
     let kind = match table.must("type", |v| v.one_of("material type", TYPES))? {
         Type::Emissive => {
@@ -109,7 +111,11 @@ fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
         Type::Matte => {
             allow(&table.named("a matte material"), keys::MATTE)?;
             MaterialKind::Matte(Matte {
-                albedo: table.or("albedo", Value::color, Rgb::grey(0.5))?,
+                albedo: table.or(
+                    "albedo",
+                    |value| texture::color_input(value, table, draft),
+                    Rgb::grey(0.5).into(),
+                )?,
                 roughness: roughness(table)?,
                 sampling: table.or(
                     "sampling",
@@ -145,8 +151,8 @@ fn read(table: &Table<'_>, names: &Names<'_>) -> Result<Material, SceneError> {
             let table = table.named("a mix");
             allow(&table, keys::MIX)?;
             MaterialKind::Mix(Mix {
-                first: table.must("first", |v| named(v, names))?,
-                second: table.must("second", |v| named(v, names))?,
+                first: table.must("first", |v| named(v, &draft.materials))?,
+                second: table.must("second", |v| named(v, &draft.materials))?,
                 amount: table.or("amount", Value::number, 0.5)?,
             })
         }
@@ -239,9 +245,14 @@ fn note_lost_emission(draft: &mut Draft<'_>) {
 }
 
 /// The keys that say all of a material; `None` for a custom one, which no file can say. `names`
-/// are those of all materials. A lamp, which is black and glows, is written "emissive" if `lamp`
+/// are those of all materials, `textures` those of all textures. A lamp, which is black and glows, is written "emissive" if `lamp`
 /// says so, or else "black" with an emission.
-pub(super) fn keys_of(material: &Material, names: &[String], lamp: bool) -> Option<Vec<Group>> {
+pub(super) fn keys_of(
+    material: &Material,
+    names: &[String],
+    textures: &[TextureName],
+    lamp: bool,
+) -> Option<Vec<Group>> {
     let name = Group::one(&["name"], said::text(&material.name));
     let kind = |name: &str| Group::one(&["type"], said::text(name));
     if let (MaterialKind::Black, Some(emission), true) = (&material.kind, &material.emission, lamp)
@@ -261,7 +272,7 @@ pub(super) fn keys_of(material: &Material, names: &[String], lamp: bool) -> Opti
             vec![
                 name,
                 kind("matte"),
-                Group::or(&["albedo"], color(m.albedo), "0.5"),
+                Group::of(&["albedo"], [texture::said_color("albedo", &m.albedo, textures, "0.5")]),
                 rough(m.roughness),
                 Group::or(&["sampling"], said::name(SAMPLINGS, &m.sampling), &usual),
             ]

@@ -21,6 +21,7 @@ pub(crate) mod rewrite;
 mod said;
 mod shape;
 mod table;
+mod texture;
 
 use super::bare::TOO_LARGE;
 use super::framing::{bounds_of_all, frame_all};
@@ -109,7 +110,10 @@ fn parse_here(
     settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
     let (mut cameras, camera) = camera::read_all(&root, settings.size, file, options, &mut draft)?;
 
-    // What there is. Materials come before the shapes that name them.
+    // What there is. Textures come before the materials that name them, these before the shapes.
+    for table in root.or("texture", |v| v.tables("[[texture]]"), Vec::new())? {
+        texture::read(&table, &mut draft)?;
+    }
     let materials = root.or("material", |v| v.tables("[[material]]"), Vec::new())?;
     material::read_all(&materials, &mut draft)?;
     for table in root.or("light", |v| v.tables("[[light]]"), Vec::new())? {
@@ -135,11 +139,25 @@ fn parse_here(
         draft.notes.push(root.note("there is no [camera]: one was chosen that sees all shapes"));
     }
 
-    // Whether all of it makes sense.
+    // Whether all of it makes sense. Pictures come last, because they can take long to read.
+    draft.scene.bitmaps = draft.pictures.bare();
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
+    draft.scene.bitmaps = draft.pictures.read(&draft.left, options.strict, &mut draft.notes)?;
+    draft.read.extend(draft.pictures.files());
     let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
-    let Draft { scene, notes, read: files, image_names, .. } = draft;
-    Ok(LoadedScene { scene, settings, display, cameras, camera, image_names, notes, files, lines })
+    let Draft { scene, notes, read: files, image_names, texture_names, .. } = draft;
+    Ok(LoadedScene {
+        scene,
+        settings,
+        display,
+        cameras,
+        camera,
+        image_names,
+        texture_names,
+        notes,
+        files,
+        lines,
+    })
 }
 
 /// The version of the format that is read here.

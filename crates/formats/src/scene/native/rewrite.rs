@@ -11,7 +11,7 @@ use super::{Document, camera, environment, light, material, render, with_room};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::look::Look;
 use crate::options::ReadOptions;
-use crate::scene::loaded::LoadedScene;
+use crate::scene::loaded::{LoadedScene, TextureName};
 use crate::shown::shown;
 use rutilant::light::{Environment, EnvironmentLight, Light};
 use rutilant::material::{Material, MaterialKind};
@@ -80,7 +80,9 @@ fn edited(
     let above = ["camera", "render", ""];
     change(&layout, "environment", was.as_deref(), now.as_deref(), &above, &mut edits);
 
-    let own = materials(&layout, tree.get_ref(), file, &old.materials, after, &mut edits)?;
+    let textures = &before.texture_names;
+    let own =
+        materials(&layout, tree.get_ref(), file, &old.materials, textures, after, &mut edits)?;
     lights(&layout, &old.lights, &after.lights, &mut edits);
     Ok((edits.finish().ok_or_else(unknown)?, own))
 }
@@ -131,6 +133,7 @@ fn materials(
     tree: &DeTable<'_>,
     file: &Path,
     old: &[Material],
+    textures: &[TextureName],
     after: &Look,
     edits: &mut Edits<'_>,
 ) -> Result<usize, SceneError> {
@@ -162,7 +165,7 @@ fn materials(
             );
             return Err(refused(file, what));
         }
-        material::keys_of(material, names, lamp).ok_or_else(|| {
+        material::keys_of(material, names, textures, lamp).ok_or_else(|| {
             let what =
                 format!("material \"{called}\" (number {i}) is custom, which no file can say");
             refused(file, what)
@@ -421,7 +424,7 @@ pub(crate) fn native_for_mesh(
     let names: Vec<String> = after.materials.iter().map(|m| m.name.clone()).collect();
     for &i in &own {
         let material = &after.materials[i];
-        let groups = material::keys_of(material, &names, true).ok_or_else(|| {
+        let groups = material::keys_of(material, &names, &[], true).ok_or_else(|| {
             let name = shown(&material.name);
             refused(file, format!("material \"{name}\" is custom, which no file can say"))
         })?;

@@ -97,6 +97,7 @@ fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, Scen
         normals: table.or("normals", points, Vec::new())?,
         uvs: table.or("uvs", |value| all(value, "pairs [[u, v], ..]", Value::pair), Vec::new())?,
         positions,
+        ..Mesh::default()
     };
     if mesh.triangles.is_empty() {
         draft.notes.push(table.note("there are no faces in it, so nothing of it can be seen"));
@@ -184,14 +185,18 @@ fn from_file<'d>(
 
 /// Takes the contents of a mesh file into the scene.
 fn take_in<'d>(
-    file: ObjScene,
+    mut file: ObjScene,
     crease: Option<f32>,
     value: &Value<'d>,
     table: &Table<'d>,
     draft: &mut Draft<'d>,
 ) -> Result<MeshFile, SceneError> {
     let first = draft.scene.materials.len();
-    let materials = mesh_file::adopt(&mut draft.scene, file.materials);
+    let first_texture = draft.scene.textures.len();
+    let materials = mesh_file::adopt(&mut file, &mut draft.scene, &mut draft.pictures);
+    for i in first_texture..draft.scene.textures.len() {
+        draft.places.insert(Place::Texture(i), *table);
+    }
     for i in first..draft.scene.materials.len() {
         draft.places.insert(Place::Material(i), *table);
     }

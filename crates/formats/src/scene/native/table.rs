@@ -7,7 +7,7 @@
 
 use super::document::Document;
 use super::{hex, keys};
-use crate::error::{SceneError, SceneErrorKind};
+use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::scene::nearest::nearest;
 use crate::shown::shown;
 use rutilant::color::Rgb;
@@ -221,6 +221,16 @@ impl<'d> Value<'d> {
                 SceneErrorKind::Invalid(format!("no {what} \"{}\"; {there_are}", shown(name)))
             }
         })
+    }
+
+    /// Where it stands.
+    pub(super) fn source(&self) -> Source {
+        self.invalid("").at
+    }
+
+    /// Whether it is a table.
+    pub(super) fn is_table(&self) -> bool {
+        self.value.is_table()
     }
 
     /// A finite number.

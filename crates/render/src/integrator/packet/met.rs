@@ -13,7 +13,7 @@ use crate::sampler::Sampler;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
 use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
-use rutilant_geom::{Frames, HitPacket, RayPacket, Vec3};
+use rutilant_geom::{Frames, Hit, HitPacket, RayPacket, Vec3};
 
 /// Eight surface points.
 pub(super) struct Surface<S: Simd> {
@@ -55,6 +55,43 @@ pub(super) struct MetPacket<'p> {
     pub(super) translucent: u32,
 }
 
+/// How a surface scatters where it was hit. A material that varies is looked up there, and `made`
+/// where it is more than an albedo.
+#[inline(always)]
+fn scattering_at<'p>(
+    scene: &Prepared,
+    hits: &HitPacket,
+    lane: usize,
+    material: &'p PreparedMaterial,
+    made: &'p mut Option<PreparedMaterial>,
+) -> (&'p PreparedMaterial, Scattering) {
+    if material.varies()
+        && let Some(hit) = hits.hit(lane)
+    {
+        return varied_at(scene, &hit, material, made);
+    }
+    (material, material.bsdf.scattering())
+}
+
+/// The same of one that varies. Apart, so that the common way stays short.
+#[inline(never)]
+fn varied_at<'p>(
+    scene: &Prepared,
+    hit: &Hit,
+    material: &'p PreparedMaterial,
+    made: &'p mut Option<PreparedMaterial>,
+) -> (&'p PreparedMaterial, Scattering) {
+    if let Some(albedo) = scene.lambert_at(hit, material) {
+        let black = albedo.max_channel() <= 0.0;
+        return (material, if black { Scattering::Black } else { Scattering::Lambert(albedo) });
+    }
+    let material = match scene.varied_at(hit, material) {
+        Some(varied) => &*made.insert(varied),
+        None => material,
+    };
+    (material, material.bsdf.scattering())
+}
+
 impl<'p> MetPacket<'p> {
     #[inline(always)]
     pub(super) fn new(
@@ -62,6 +99,7 @@ impl<'p> MetPacket<'p> {
         rays: &RayPacket,
         hits: &'p HitPacket,
         there: u32,
+        made: &'p mut [Option<PreparedMaterial>; LANES],
     ) -> Self {
         let mut met = Self {
             hits,
@@ -83,8 +121,11 @@ impl<'p> MetPacket<'p> {
             spread: 0,
             translucent: 0,
         };
-        for lane in each_lane(there) {
+        for (lane, made) in made.iter_mut().enumerate() {
             let bit = 1 << lane;
+            if there & bit == 0 {
+                continue;
+            }
             let primitive = hits.primitive[lane];
             if primitive == HitPacket::NOTHING {
                 met.sky |= bit;
@@ -100,9 +141,9 @@ impl<'p> MetPacket<'p> {
             }
             met.emitters[lane] = surface.emitter;
             met.glows |= u32::from(surface.emitter.is_some()) << lane;
-            let material = surface.material;
+            let (material, scattering) = scattering_at(scene, hits, lane, surface.material, made);
             met.materials[lane] = Some(material);
-            match material.bsdf.scattering() {
+            match scattering {
                 Scattering::Black => met.black |= bit,
                 Scattering::Lambert(albedo) => {
                     met.lambert |= bit;
@@ -131,6 +172,14 @@ impl<'p> MetPacket<'p> {
             self.shading_normal[axis][lane] = at.shading.z[axis];
             self.smooth_position[axis][lane] = at.smooth_position()[axis];
         }
+    }
+
+    /// About what part of white light a surface sends on.
+    pub(super) fn albedo_of(&self, lane: usize) -> Option<Spectrum> {
+        if self.lambert >> lane & 1 == 1 {
+            return Some(at(&self.albedo, lane).to_array().into());
+        }
+        Some(self.materials[lane]?.bsdf.albedo())
     }
 
     /// The points themselves, seen along the directions of `rays`.

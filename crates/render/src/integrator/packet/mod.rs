@@ -78,7 +78,8 @@ impl Path<'_> {
 
         // Find the next surfaces, or leave the scene, and lose what the media on the way take.
         let hits = scene.surfaces().closest_packet(&paths.rays);
-        let mut met = MetPacket::new(scene, &paths.rays, &hits, there);
+        let mut made = [None; LANES];
+        let mut met = MetPacket::new(scene, &paths.rays, &hits, there, &mut made);
         let surface = met.surface(simd, &paths.rays);
         let Surface { normal, frame, wo, wo_local, .. } = surface;
         let mut throughput = Xyz8::load(simd, &paths.throughput);
@@ -182,9 +183,9 @@ impl Path<'_> {
             Roulette::Throughput => (worth.largest() * (1.0 / SURE_FROM)).max(zero).min(one),
             Roulette::Albedo => {
                 let mut albedo = [1.0; LANES];
-                for (albedo, material) in albedo.iter_mut().zip(&met.materials) {
-                    if let Some(material) = material {
-                        *albedo = material.bsdf.albedo().max_channel().clamp(0.1, 1.0);
+                for (lane, albedo) in albedo.iter_mut().enumerate() {
+                    if let Some(sent_back) = met.albedo_of(lane) {
+                        *albedo = sent_back.max_channel().clamp(0.1, 1.0);
                     }
                 }
                 delta.select(one, albedo.simd_into(simd))

@@ -1,0 +1,168 @@
+//! `[[texture]]`: what varies over surfaces; and colours that take one.
+
+use super::draft::Draft;
+use super::keys;
+use super::said::{self, Group, Said, Written, color};
+use super::table::{Table, Value};
+use crate::error::SceneError;
+use crate::scene::loaded::TextureName;
+use crate::shown::shown;
+use rutilant::color::Rgb;
+use rutilant::scene::TextureId;
+use rutilant::texture::{
+    Checker, ColorInput, Encoding, ImageTexture, Interpolation, UvMapping, Wrap,
+};
+use rutilant_geom::Vec2;
+
+#[derive(Clone, Copy)]
+enum Type {
+    Image,
+    Checker,
+}
+
+const TYPES: &[(&str, Type)] = &[("image", Type::Image), ("checker", Type::Checker)];
+
+const ENCODINGS: &[(&str, Encoding)] = &[("srgb", Encoding::Srgb), ("linear", Encoding::Linear)];
+
+const WRAPS: &[(&str, Wrap)] =
+    &[("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
+
+const INTERPOLATIONS: &[(&str, Interpolation)] =
+    &[("bilinear", Interpolation::Bilinear), ("nearest", Interpolation::Nearest)];
+
+pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
+    let name = table.must("name", |value| {
+        let name = value.text()?;
+        if draft.textures.contains_key(name) {
+            let what = format!("there is another texture \"{}\"; names must differ", shown(name));
+            return Err(value.invalid(what));
+        }
+        Ok(name)
+    })?;
+    let called = TextureName::Named(name.to_owned());
+    let id = match table.or("type", |v| v.one_of("texture type", TYPES), Type::Image)? {
+        Type::Image => {
+            let table = table.named("an image texture");
+            table.only(&[keys::ANY_TEXTURE, keys::IMAGE_TEXTURE])?;
+            let image = ImageTexture {
+                bitmap: table.must("image", |value| picture(value, draft))?,
+                encoding: table.or(
+                    "encoding",
+                    |v| v.one_of("encoding", ENCODINGS),
+                    Encoding::Srgb,
+                )?,
+                wrap: table.or("wrap", wraps, [Wrap::Repeat; 2])?,
+                interpolation: table.or(
+                    "interpolation",
+                    |v| v.one_of("interpolation", INTERPOLATIONS),
+                    Interpolation::Bilinear,
+                )?,
+                mapping: mapping(&table)?,
+            };
+            draft.add_texture(&table, called, image)
+        }
+        Type::Checker => {
+            let table = table.named("a checker");
+            table.only(&[keys::ANY_TEXTURE, keys::CHECKER])?;
+            let checker = Checker {
+                first: table.or("first", Value::color, Rgb::grey(0.2))?,
+                second: table.or("second", Value::color, Rgb::grey(0.8))?,
+                mapping: mapping(&table)?,
+            };
+            draft.add_texture(&table, called, checker)
+        }
+    };
+    draft.textures.insert(name, id);
+    Ok(())
+}
+
+/// The picture that a value names, to be read later.
+fn picture(
+    value: &Value<'_>,
+    draft: &mut Draft<'_>,
+) -> Result<rutilant::scene::BitmapId, SceneError> {
+    Ok(draft.pictures.want_named(value.text()?, &draft.files, value.source()))
+}
+
+/// One word for both axes, or one for each.
+fn wraps(value: &Value<'_>) -> Result<[Wrap; 2], SceneError> {
+    const EXPECTED: &str = "a word, or one for u and one for v";
+    let wrap = |value: &Value<'_>| value.one_of("wrap", WRAPS);
+    if !value.is_array() {
+        return wrap(value).map(|both| [both; 2]);
+    }
+    let each: Vec<Wrap> = value.entries(EXPECTED)?.map(|v| wrap(&v)).collect::<Result<_, _>>()?;
+    each.try_into().map_err(|_| value.must_be(EXPECTED))
+}
+
+fn mapping(table: &Table<'_>) -> Result<UvMapping, SceneError> {
+    let scale = |value: &Value<'_>| match value.is_number() {
+        true => value.number().map(Vec2::splat),
+        false => value.pair(),
+    };
+    Ok(UvMapping {
+        set: table.or("uv_set", Value::whole, 0)?,
+        scale: table.or("uv_scale", scale, Vec2::ONE)?,
+        rotation: table.or("uv_rotation_degrees", Value::number, 0.0)?.to_radians(),
+        offset: table.or("uv_offset", Value::pair, Vec2::ZERO)?,
+    })
+}
+
+/// A colour, or a table that says more. `owner` is the table that it stands in.
+pub(super) fn color_input<'d>(
+    value: &Value<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<ColorInput, SceneError> {
+    if !value.is_table() {
+        return value.color().map(ColorInput::from);
+    }
+    let table = value.table("a textured color")?;
+    table.only(&[keys::COLOR_INPUT])?;
+    let texture = match table.at_most_one(&["texture", "image"])? {
+        Some("texture") => Some(table.must("texture", |value| named(value, draft))?),
+        Some(_) => Some(table.must("image", |value| {
+            let bitmap = picture(value, draft)?;
+            let name = TextureName::Image(value.text()?.to_owned());
+            Ok(draft.add_texture(owner, name, ImageTexture::new(bitmap)))
+        })?),
+        None => None,
+    };
+    Ok(ColorInput {
+        factor: table.or("factor", Value::color, Rgb::WHITE)?,
+        texture,
+        vertex_colors: table.or("vertex_colors", Value::flag, false)?,
+    })
+}
+
+/// The texture that a value names.
+fn named(value: &Value<'_>, draft: &Draft<'_>) -> Result<TextureId, SceneError> {
+    let name = value.text()?;
+    draft.textures.get(name).copied().ok_or_else(|| {
+        let mut known: Vec<&str> = draft.textures.keys().copied().collect();
+        known.sort_unstable();
+        value.unknown("texture", name, known)
+    })
+}
+
+/// A key with a colour that may be textured. `usual` is what is meant where the key is not there.
+pub(super) fn said_color(
+    key: &'static str,
+    input: &ColorInput,
+    names: &[TextureName],
+    usual: &str,
+) -> Said {
+    if !input.varies() {
+        return Said::or(key, color(input.factor), usual);
+    }
+    let texture = input.texture.and_then(|id| names.get(id.0 as usize)).map(|name| match name {
+        TextureName::Named(name) => Said::new("texture", said::text(name)),
+        TextureName::Image(file) => Said::new("image", said::text(file)),
+    });
+    let groups = vec![
+        Group::of(&["texture", "image"], texture.into_iter().collect::<Vec<_>>()),
+        Group::or(&["factor"], color(input.factor), "1"),
+        Group::or(&["vertex_colors"], input.vertex_colors.to_string(), "false"),
+    ];
+    Said { key, value: Written::Table(groups), usual: false }
+}

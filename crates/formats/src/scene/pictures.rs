@@ -1,0 +1,134 @@
+//! The pictures that a scene's textures show: each file is read once, all of them at the same time.
+
+use super::files::{Files, Found};
+use crate::error::{SceneError, SceneErrorKind, Source};
+use crate::image;
+use crate::limits::Limits;
+use rayon::prelude::*;
+use rutilant::scene::BitmapId;
+use rutilant::texture::Bitmap;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A picture that is to be read.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wanted {
+    pub(crate) from: From,
+    /// What asks for it.
+    pub(crate) at: Source,
+}
+
+/// Where a picture comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum From {
+    /// A file: its path for messages, and the same for every name of the same file.
+    File { path: PathBuf, identity: PathBuf },
+    /// Bytes that are at hand, under a name.
+    Bytes { name: String, bytes: Vec<u8> },
+    /// Nowhere, and why.
+    Nowhere(String),
+}
+
+/// What stands in for a picture that is missing: nobody takes it for anything else.
+const MISSING: [u8; 4] = [255, 0, 255, 255];
+
+/// All pictures that a scene has asked for so far, by [`BitmapId`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pictures {
+    wanted: Vec<Wanted>,
+    known: HashMap<PathBuf, BitmapId>,
+}
+
+impl Pictures {
+    /// Asks for a picture; the same file is asked for once.
+    pub(crate) fn want(&mut self, wanted: Wanted) -> BitmapId {
+        let next = BitmapId(self.wanted.len() as u32);
+        if let From::File { identity, .. } = &wanted.from {
+            let id = *self.known.entry(identity.clone()).or_insert(next);
+            if id != next {
+                return id;
+            }
+        }
+        self.wanted.push(wanted);
+        next
+    }
+
+    /// Asks for the picture of a name that a scene says.
+    pub(super) fn want_named(&mut self, name: &str, files: &Files<'_>, at: Source) -> BitmapId {
+        let from = match files.embedded(name) {
+            Some(bytes) => From::Bytes { name: name.to_owned(), bytes: bytes.to_owned() },
+            None => match files.find(name) {
+                Ok(Found { path, identity }) => From::File { path, identity },
+                Err(what) => From::Nowhere(what),
+            },
+        };
+        self.want(Wanted { from, at })
+    }
+
+    /// The files that were found.
+    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.wanted.iter().filter_map(|wanted| match &wanted.from {
+            From::File { identity, .. } => Some(identity.clone()),
+            From::Bytes { .. } | From::Nowhere(_) => None,
+        })
+    }
+
+    /// Reads all of them. One that cannot be read is magenta, with a note; or an error, if `strict`.
+    pub(crate) fn read(
+        &self,
+        limits: &Limits,
+        strict: bool,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<Arc<Bitmap>>, SceneError> {
+        let read: Vec<Result<Bitmap, String>> =
+            self.wanted.par_iter().map(|wanted| wanted.read(limits)).collect();
+        let mut left = limits.texture_bytes;
+        let mut bitmaps = Vec::with_capacity(read.len());
+        for (wanted, read) in self.wanted.iter().zip(read) {
+            let bitmap = match read {
+                Ok(bitmap) => bitmap,
+                Err(what) if strict => {
+                    let (at, kind) = (wanted.at.clone(), SceneErrorKind::Invalid(what));
+                    return Err(SceneError { at, kind });
+                }
+                Err(what) => {
+                    notes.push(format!("{}: {what}: magenta stands in", wanted.at));
+                    Bitmap::solid(MISSING)
+                }
+            };
+            left = left.checked_sub(bitmap.bytes()).ok_or_else(|| {
+                let allowed = limits.texture_bytes;
+                let asked = (allowed - left).saturating_add(bitmap.bytes());
+                let kind = SceneErrorKind::Limit { what: "bytes of textures", asked, allowed };
+                SceneError { at: wanted.at.clone(), kind }
+            })?;
+            bitmaps.push(Arc::new(bitmap));
+        }
+        Ok(bitmaps)
+    }
+
+    /// What stands for them before they are read.
+    pub(crate) fn bare(&self) -> Vec<Arc<Bitmap>> {
+        vec![Arc::new(Bitmap::solid(MISSING)); self.wanted.len()]
+    }
+
+    /// Takes over those of another list; gives what is to be added to their numbers, or the new one
+    /// of each.
+    pub(crate) fn adopt(&mut self, others: Self) -> Vec<BitmapId> {
+        others.wanted.into_iter().map(|wanted| self.want(wanted)).collect()
+    }
+}
+
+impl Wanted {
+    fn read(&self, limits: &Limits) -> Result<Bitmap, String> {
+        match &self.from {
+            From::File { path, .. } => image::read_bitmap(path, limits).map_err(|e| e.to_string()),
+            From::Bytes { name, bytes } => {
+                let read = image::read_bitmap_bytes(bytes, Path::new(name), limits);
+                read.map_err(|e| e.to_string())
+            }
+            From::Nowhere(what) => Err(what.clone()),
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! Textures as they are looked up.
+
+use super::prepared::{Prepared, PreparedObject};
+use crate::camera::PreparedCamera;
+use crate::color::Spectrum;
+use crate::problem::{Note, Place};
+use crate::scene::Scene;
+use crate::texture::{
+    Bitmap, Checker, ColorInput, Encoding, ImageTexture, PreparedMapping, Pyramid, ScalarInput,
+    Texels, Texture,
+};
+use rayon::prelude::*;
+use rutilant_geom::{Hit, Ray, Vec2, Vec3};
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+/// A texture to be looked at.
+#[derive(Clone, Debug)]
+pub(super) enum PreparedTexture {
+    Image { pyramid: Arc<Pyramid>, image: ImageTexture, mapping: PreparedMapping },
+    Checker { checker: Checker, mapping: PreparedMapping },
+}
+
+/// All textures of a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PreparedTextures {
+    textures: Vec<PreparedTexture>,
+    /// The pictures that they show, for the next time the scene is prepared.
+    pyramids: Vec<Shown>,
+}
+
+/// A bitmap of the scene as a texture shows it.
+#[derive(Clone, Debug)]
+struct Shown {
+    bitmap: Arc<Bitmap>,
+    encoding: Encoding,
+    pyramid: Arc<Pyramid>,
+    /// Floating-point values that were no numbers.
+    mended: usize,
+}
+
+impl PreparedTextures {
+    /// Makes the smaller versions of all pictures, but for those that there were `before`.
+    pub(super) fn new(scene: &Scene, before: Option<&Self>, notes: &mut Vec<Note>) -> Self {
+        let mut wanted: Vec<(usize, Encoding)> = Vec::new();
+        for texture in &scene.textures {
+            match texture {
+                Texture::Image(image) => {
+                    let one = (image.bitmap.0 as usize, image.encoding);
+                    if !wanted.contains(&one) {
+                        wanted.push(one);
+                    }
+                }
+                Texture::Checker(_) => {}
+            }
+        }
+        let known = before.map_or(&[][..], |before| &before.pyramids);
+        let show = |&(bitmap, encoding): &(usize, Encoding)| {
+            let bitmap = &scene.bitmaps[bitmap];
+            let same = |s: &&Shown| Arc::ptr_eq(&s.bitmap, bitmap) && s.encoding == encoding;
+            known.iter().find(same).cloned().unwrap_or_else(|| Shown::new(bitmap, encoding))
+        };
+        let pyramids: Vec<Shown> = wanted.par_iter().map(show).collect();
+        let prepare = |(i, texture): (usize, &Texture)| match texture {
+            Texture::Image(image) => {
+                let one = (image.bitmap.0 as usize, image.encoding);
+                let at = wanted.iter().position(|w| *w == one).unwrap_or(0);
+                let Shown { pyramid, mended, .. } = &pyramids[at];
+                if *mended > 0 {
+                    notes.push(Place::Texture(i).note(format!(
+                        "{mended} of its values, infinite or no numbers, count as 0"
+                    )));
+                }
+                PreparedTexture::Image {
+                    pyramid: Arc::clone(pyramid),
+                    image: *image,
+                    mapping: image.mapping.prepare(),
+                }
+            }
+            Texture::Checker(checker) => {
+                PreparedTexture::Checker { checker: *checker, mapping: checker.mapping.prepare() }
+            }
+        };
+        let textures = scene.textures.iter().enumerate().map(prepare).collect();
+        Self { textures, pyramids }
+    }
+
+    /// Bytes that pictures take, with all their smaller versions.
+    pub(super) fn bytes(&self) -> u64 {
+        self.pyramids.iter().map(|shown| shown.pyramid.bytes()).sum()
+    }
+
+    /// A colour as it is in the mean, 0 to 1: for decisions that are made once.
+    pub(super) fn mean_color(&self, input: &ColorInput) -> Spectrum {
+        let factor = Spectrum::from(input.factor);
+        let mean = input.texture.map_or([1.0; 4], |id| self.textures[id.0 as usize].mean());
+        reflectance(factor * opaque(mean))
+    }
+
+    /// A number as it is in the mean.
+    pub(super) fn mean_scalar(&self, input: &ScalarInput) -> f32 {
+        let mean = |(id, channel): (crate::scene::TextureId, crate::texture::Channel)| {
+            channel.of(self.textures[id.0 as usize].mean())
+        };
+        input.factor * input.texture.map_or(1.0, mean)
+    }
+
+    /// The part of the light that is sent back at a place, 0 to 1, whatever the pictures hold.
+    #[inline]
+    pub(super) fn reflectance(&self, input: &ColorInput, at: &TexturePlace<'_>) -> Spectrum {
+        reflectance(self.color(input, at))
+    }
+
+    /// A colour at a place.
+    #[inline]
+    pub(super) fn color(&self, input: &ColorInput, at: &TexturePlace<'_>) -> Spectrum {
+        let mut color = Spectrum::from(input.factor);
+        if let Some(id) = input.texture {
+            color *= opaque(self.textures[id.0 as usize].rgba(at));
+        }
+        if input.vertex_colors {
+            color *= opaque(at.vertex_color());
+        }
+        color
+    }
+
+    /// A number at a place.
+    pub(super) fn scalar(&self, input: &ScalarInput, at: &TexturePlace<'_>) -> f32 {
+        let varied = input
+            .texture
+            .map_or(1.0, |(id, channel)| channel.of(self.textures[id.0 as usize].rgba(at)));
+        input.factor * varied
+    }
+}
+
+/// Without its opacity.
+fn opaque([r, g, b, _]: [f32; 4]) -> Spectrum {
+    [r, g, b].into()
+}
+
+fn reflectance(color: Spectrum) -> Spectrum {
+    color.map(|c| c.clamp(0.0, 1.0))
+}
+
+impl Shown {
+    fn new(bitmap: &Arc<Bitmap>, encoding: Encoding) -> Self {
+        let (mended, base) = mended(bitmap);
+        let pyramid = Arc::new(Pyramid::new(base, encoding));
+        Self { bitmap: Arc::clone(bitmap), encoding, pyramid, mended }
+    }
+}
+
+/// The bitmap with 0 for what is no number, and how often that was.
+fn mended(bitmap: &Arc<Bitmap>) -> (usize, Arc<Bitmap>) {
+    let Texels::Float(values) = bitmap.texels() else { return (0, Arc::clone(bitmap)) };
+    let broken = values.iter().filter(|v| !v.is_finite()).count();
+    if broken == 0 {
+        return (0, Arc::clone(bitmap));
+    }
+    let whole = values.iter().map(|&v| if v.is_finite() { v } else { 0.0 }).collect();
+    let [width, height] = [bitmap.width(), bitmap.height()];
+    let mended = Bitmap::new(width, height, bitmap.channels(), Texels::Float(whole));
+    (broken, mended.map_or_else(|| Arc::clone(bitmap), Arc::new))
+}
+
+impl PreparedTexture {
+    /// Red, green, blue and opacity at a place.
+    #[inline]
+    fn rgba(&self, at: &TexturePlace<'_>) -> [f32; 4] {
+        match self {
+            Self::Image { pyramid, image, mapping } => {
+                let (uv, width) = at.uv(mapping.set);
+                let width = width * mapping.scale;
+                pyramid.at(mapping.apply(uv), width, image.wrap, image.interpolation)
+            }
+            Self::Checker { checker, mapping } => {
+                let (uv, _) = at.uv(mapping.set);
+                let Vec2 { x, y } = (2.0 * mapping.apply(uv)).floor();
+                // Half of an even number has no fraction.
+                let half = 0.5 * (x + y);
+                let [r, g, b] = if half == half.floor() { checker.first } else { checker.second }.0;
+                [r, g, b, 1.0]
+            }
+        }
+    }
+
+    fn mean(&self) -> [f32; 4] {
+        match self {
+            Self::Image { pyramid, .. } => pyramid.mean(),
+            Self::Checker { checker, .. } => {
+                let [r, g, b] =
+                    std::array::from_fn(|i| 0.5 * (checker.first.0[i] + checker.second.0[i]));
+                [r, g, b, 1.0]
+            }
+        }
+    }
+}
+
+/// How much of the scene a pixel shows, as far as textures need to know.
+///
+/// It is a cone around the straight line from the eye to a point, however a path came there: what a
+/// texture shows at a point then is the same for every path, in whichever direction it runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Eye {
+    position: Vec3,
+    /// The width in metres at the eye, and what is added for every metre.
+    width: [f32; 2],
+}
+
+impl Eye {
+    /// Of a camera along `axis`.
+    pub(super) fn new(camera: &PreparedCamera, axis: &Ray) -> Self {
+        /// Textures are looked at over so many pixels. Less than one, as samples do the rest:
+        /// what is averaged beforehand is a square, and would blur what is seen at a slant.
+        const SHARPNESS: f32 = 0.5;
+        // What a pixel is wide at a distance of one and of two metres.
+        let [one, two] = [1.0, 2.0].map(|distance| {
+            let pixels = camera.pixels_per_area(axis.direction, distance);
+            if pixels > 0.0 { SHARPNESS / pixels.sqrt() } else { 0.0 }
+        });
+        Self { position: axis.origin, width: [2.0 * one - two, two - one] }
+    }
+
+    /// The width of what a pixel shows at a point, in metres.
+    fn width_at(&self, point: Vec3) -> f32 {
+        let [start, growth] = self.width;
+        start + growth * self.position.distance(point)
+    }
+}
+
+/// A place on a surface where textures are looked at.
+pub(super) struct TexturePlace<'p> {
+    scene: &'p Prepared,
+    object: &'p PreparedObject,
+    hit: &'p Hit,
+    /// The width of what a pixel shows, in metres.
+    width: f32,
+}
+
+impl<'p> TexturePlace<'p> {
+    #[inline]
+    pub(super) fn new(scene: &'p Prepared, object: &'p PreparedObject, hit: &'p Hit) -> Self {
+        Self { scene, object, hit, width: scene.eye.width_at(hit.position) }
+    }
+
+    /// Texture coordinates of a set, and how wide in them what a pixel shows is.
+    #[inline]
+    fn uv(&self, set: u32) -> (Vec2, f32) {
+        let Self { scene, object, hit, width } = self;
+        let surfaces = &scene.surfaces;
+        let Some(&triangle) = surfaces.triangles().get(hit.primitive as usize) else {
+            let per_metre = scene.uvs_per_metre(hit.primitive);
+            return (scene.uv(hit), width * per_metre);
+        };
+        let [a, b, c] = scene.uvs_of(object, triangle, set);
+        let uv = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+        let [p, q, r] = triangle.map(|v| surfaces.positions()[v as usize]);
+        let areas = ((b - a).perp_dot(c - a).abs(), (q - p).cross(r - p).length());
+        (uv, width * (areas.0 / areas.1).sqrt())
+    }
+
+    /// The colour and opacity of the mesh's vertices, white where they have none.
+    fn vertex_color(&self) -> [f32; 4] {
+        let Self { scene, object, hit, .. } = self;
+        let (Some(first), Some(triangle)) =
+            (object.first_color, scene.surfaces.triangles().get(hit.primitive as usize))
+        else {
+            return [1.0; 4];
+        };
+        let [a, b, c] = triangle.map(|v| scene.colors[(v - object.first_vertex + first) as usize]);
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        std::array::from_fn(|i| a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2])
+    }
+}
+
+impl Prepared {
+    /// The texture coordinates of a triangle's vertices: those of the mesh, or, where it has none,
+    /// so that they are barycentric weights.
+    #[inline]
+    pub(super) fn uvs_of(
+        &self,
+        object: &PreparedObject,
+        triangle: [u32; 3],
+        set: u32,
+    ) -> [Vec2; 3] {
+        let Some(first) = object.first_uv else { return [Vec2::ZERO, Vec2::X, Vec2::Y] };
+        let set = if set < object.uv_sets { set } else { 0 };
+        let first = first + set * object.vertices;
+        triangle.map(|v| self.uvs[(v - object.first_vertex + first) as usize])
+    }
+
+    /// How much texture coordinates change over a metre, on what is no triangle.
+    fn uvs_per_metre(&self, primitive: u32) -> f32 {
+        let surfaces = &self.surfaces;
+        let number = primitive as usize - surfaces.triangles().len();
+        if let Some(sphere) = surfaces.spheres().get(number) {
+            // At its equator; it is more at its poles.
+            return 1.0 / (std::f32::consts::SQRT_2 * PI * sphere.radius);
+        }
+        let number = number - surfaces.spheres().len();
+        match surfaces.disks().get(number) {
+            Some(disk) => 0.5 / disk.u.cross(disk.v).length().sqrt(),
+            // What others make is looked at as closely as can be.
+            None => 0.0,
+        }
+    }
+}

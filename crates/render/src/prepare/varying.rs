@@ -1,0 +1,94 @@
+//! Materials that scatter otherwise in different places.
+
+use super::prepared::Prepared;
+use super::texture::{PreparedTextures, TexturePlace};
+use crate::bsdf::{Bsdf, Lambert, Lobe, OrenNayar, UniformLambert};
+use crate::color::Spectrum;
+use crate::material::{CustomMaterial, HemisphereSampling, Matte, SurfacePoint};
+use rutilant_geom::Hit;
+use std::sync::Arc;
+
+/// How a material scatters, told for each place.
+#[derive(Clone, Debug)]
+pub(super) enum Varying {
+    /// As others say.
+    Custom(Arc<dyn CustomMaterial>),
+    /// By weighted lobes.
+    Lobes([Option<(f32, VaryingLobe)>; Bsdf::MAX_LOBES]),
+}
+
+/// One way of scattering.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum VaryingLobe {
+    /// The same everywhere.
+    Fixed(Lobe),
+    /// Diffuse.
+    Matte(Matte),
+}
+
+impl VaryingLobe {
+    /// Whether it is another in different places.
+    pub(super) fn varies(&self) -> bool {
+        match self {
+            Self::Fixed(_) => false,
+            Self::Matte(matte) => matte.albedo.varies(),
+        }
+    }
+
+    /// As it is in the mean.
+    pub(super) fn mean(&self, textures: &PreparedTextures) -> Lobe {
+        match self {
+            Self::Fixed(lobe) => *lobe,
+            Self::Matte(matte) => matte_lobe(matte, textures.mean_color(&matte.albedo)),
+        }
+    }
+
+    fn at(&self, textures: &PreparedTextures, place: &TexturePlace<'_>) -> Lobe {
+        match self {
+            Self::Fixed(lobe) => *lobe,
+            Self::Matte(matte) => matte_lobe(matte, textures.reflectance(&matte.albedo, place)),
+        }
+    }
+}
+
+/// A matte surface whose albedo is known.
+fn matte_lobe(matte: &Matte, albedo: Spectrum) -> Lobe {
+    match matte.sampling {
+        _ if matte.roughness > 0.0 => Lobe::OrenNayar(OrenNayar::new(albedo, matte.roughness)),
+        HemisphereSampling::Cosine => Lobe::Lambert(Lambert { albedo }),
+        HemisphereSampling::Uniform => Lobe::UniformLambert(UniformLambert { albedo }),
+    }
+}
+
+impl Prepared {
+    /// How the varying material of this number scatters where it was hit.
+    pub(super) fn varied_bsdf(&self, number: u32, hit: &Hit) -> Bsdf {
+        match &self.varying[number as usize] {
+            Varying::Custom(custom) => {
+                let uv = self.uv(hit);
+                custom.bsdf(&SurfacePoint { position: hit.position, normal: hit.normal, uv })
+            }
+            Varying::Lobes(lobes) => {
+                let place = TexturePlace::new(self, self.object(hit), hit);
+                let lobes = lobes.iter().flatten();
+                Bsdf::sum(lobes.map(|(weight, lobe)| (*weight, lobe.at(&self.textures, &place))))
+            }
+        }
+    }
+
+    /// The albedo of the varying material of this number where it was hit, if it does nothing but
+    /// scatter as Lambert's law says.
+    #[inline]
+    pub(super) fn varied_lambert(&self, number: u32, hit: &Hit) -> Option<Spectrum> {
+        let Varying::Lobes([Some((1.0, VaryingLobe::Matte(matte))), None]) =
+            &self.varying[number as usize]
+        else {
+            return None;
+        };
+        let cosine = matte.sampling == HemisphereSampling::Cosine;
+        (matte.roughness == 0.0 && cosine).then(|| {
+            let place = TexturePlace::new(self, self.object(hit), hit);
+            self.textures.reflectance(&matte.albedo, &place)
+        })
+    }
+}

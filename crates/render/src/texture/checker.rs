@@ -1,0 +1,25 @@
+//! Squares of two colours, as on a chess board.
+
+use super::mapping::UvMapping;
+use crate::color::Rgb;
+use crate::problem::{LIGHT, Place, SceneProblem};
+
+/// Two colours in turn. Each unit of the mapped texture coordinates holds two squares along either
+/// axis; the one at the lower left has the `first` colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checker {
+    /// The colour at (0, 0).
+    pub first: Rgb,
+    /// The colour beside it.
+    pub second: Rgb,
+    /// From the surface's texture coordinates to those of the board.
+    pub mapping: UvMapping,
+}
+
+impl Checker {
+    pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
+        place.check("first", self.first.0, LIGHT)?;
+        place.check("second", self.second.0, LIGHT)?;
+        self.mapping.validate(place)
+    }
+}

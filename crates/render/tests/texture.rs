@@ -1,0 +1,312 @@
+//! What is painted on a surface is what it sends back.
+
+mod common;
+
+use common::{mean, render, small};
+use rutilant::Prepared;
+use rutilant::camera::{Orthographic, Perspective};
+use rutilant::color::Rgb;
+use rutilant::film::Filter;
+use rutilant::geom::{Ray, Transform, Vec2, Vec3};
+use rutilant::image::Image;
+use rutilant::light::Environment;
+use rutilant::material::{Matte, Mirror, Mix};
+use rutilant::scene::{Scene, TextureId};
+use rutilant::settings::{IntegratorKind, Settings};
+use rutilant::shape::{Mesh, Object, Shape};
+use rutilant::texture::{
+    Bitmap, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Texels, UvMapping, Wrap,
+};
+
+/// Under a white sky, looked at along −z, two metres wide and high.
+fn scene() -> Scene {
+    let camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 2.0).unwrap();
+    let mut scene = Scene::new(camera);
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    scene
+}
+
+/// Four pixels: red and green above, blue and white below.
+fn colors(scene: &mut Scene) -> ImageTexture {
+    let codes = vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255];
+    let bitmap = scene.add_bitmap(Bitmap::new(2, 2, 3, Texels::Eight(codes)).unwrap());
+    ImageTexture { interpolation: Interpolation::Nearest, ..ImageTexture::new(bitmap) }
+}
+
+const SQUARE: Shape = Shape::Rectangle { size: Vec2::splat(2.0) };
+
+fn show(scene: &mut Scene, shape: Shape, texture: TextureId) -> Image {
+    let material = scene.add_material(Matte::new(texture));
+    scene.objects.push(Object::new(shape, material));
+    picture(scene)
+}
+
+fn picture(scene: &Scene) -> Image {
+    render(scene, Settings { size: [2, 2], filter: PIXEL, ..small(64) })
+}
+
+/// A pixel is the mean of itself.
+const PIXEL: Filter = Filter::Box { radius: 0.5 };
+
+/// The pixels as colours, rounded to tenths.
+fn tenths(image: &Image) -> Vec<[i32; 3]> {
+    let pixels = image.rgb().unwrap();
+    pixels.iter().map(|p| p.map(|c| (c * 10.0).round() as i32)).collect()
+}
+
+const RED: [i32; 3] = [10, 0, 0];
+const GREEN: [i32; 3] = [0, 10, 0];
+const BLUE: [i32; 3] = [0, 0, 10];
+const WHITE: [i32; 3] = [10; 3];
+
+/// A convex white surface under a white sky shows its albedo: each quarter of a square has its
+/// pixel's colour, upright and not mirrored, on rectangles, boxes and meshes alike.
+#[test]
+fn pictures_stand_upright() {
+    let expected = vec![RED, GREEN, BLUE, WHITE];
+    for shape in [SQUARE, Shape::Box { size: Vec3::splat(2.0) }] {
+        let mut scene = scene();
+        let image = colors(&mut scene);
+        let texture = scene.add_texture(image);
+        assert_eq!(tenths(&show(&mut scene, shape, texture)), expected);
+    }
+    // A mirrored square shows a mirrored picture.
+    let mut scene = scene();
+    let image = colors(&mut scene);
+    let texture = scene.add_texture(image);
+    let material = scene.add_material(Matte::new(texture));
+    let mirrored = Transform::scale(Vec3::new(-1.0, 1.0, 1.0));
+    scene.objects.push(Object::new(SQUARE, material).transformed(&mirrored));
+    assert_eq!(tenths(&picture(&scene)), [GREEN, RED, WHITE, BLUE]);
+}
+
+/// Scale, then turn, then move: what KHR_texture_transform says, with v upwards.
+#[test]
+fn mappings_move_the_picture() {
+    let cases: [(UvMapping, [[i32; 3]; 4]); 3] = [
+        (
+            UvMapping { offset: Vec2::new(0.5, 0.0), ..UvMapping::default() },
+            [GREEN, RED, WHITE, BLUE],
+        ),
+        (
+            UvMapping { scale: Vec2::new(1.0, -1.0), ..UvMapping::default() },
+            [BLUE, WHITE, RED, GREEN],
+        ),
+        // (u, v) becomes (−v, u): the lower right pixel, around (3/4, 1/4), shows what is around
+        // (−1/4, 3/4), and once more around (3/4, 3/4).
+        (
+            UvMapping { rotation: std::f32::consts::FRAC_PI_2, ..UvMapping::default() },
+            [BLUE, RED, WHITE, GREEN],
+        ),
+    ];
+    for (mapping, expected) in cases {
+        let mut scene = scene();
+        let image = colors(&mut scene);
+        let texture = scene.add_texture(ImageTexture { mapping, ..image });
+        let shown = tenths(&show(&mut scene, SQUARE, texture));
+        assert_eq!(shown, expected, "{mapping:?}");
+    }
+}
+
+/// Codes are sRGB for colours and linear for numbers: 188 is half of the light, or 0.737.
+#[test]
+fn codes_are_decoded() {
+    for (encoding, expected) in [(Encoding::Srgb, 0.5029), (Encoding::Linear, 188.0 / 255.0)] {
+        for texels in
+            [Texels::Eight(vec![188]), Texels::Sixteen(vec![188 * 257]), Texels::Float(vec![0.0])]
+        {
+            let expected = if matches!(texels, Texels::Float(_)) { 0.0 } else { expected };
+            let mut scene = scene();
+            let bitmap = scene.add_bitmap(Bitmap::new(1, 1, 1, texels).unwrap());
+            let texture = scene.add_texture(ImageTexture { encoding, ..ImageTexture::new(bitmap) });
+            let (value, _) = mean(&show(&mut scene, SQUARE, texture), "G");
+            assert!((value - expected).abs() < 1e-3, "{value} {expected}");
+        }
+    }
+}
+
+/// Whatever a picture holds, no surface sends back more light than it gets, and what is no number
+/// sends back none.
+#[test]
+fn no_surface_makes_light() {
+    let values = vec![7.0, -3.0, f32::NAN, f32::INFINITY];
+    let mut scene = scene();
+    let bitmap = scene.add_bitmap(Bitmap::new(2, 2, 1, Texels::Float(values)).unwrap());
+    let interpolation = Interpolation::Nearest;
+    let texture = scene.add_texture(ImageTexture { interpolation, ..ImageTexture::new(bitmap) });
+    let shown = show(&mut scene, SQUARE, texture);
+    assert_eq!(tenths(&shown), [WHITE, [0; 3], [0; 3], [0; 3]]);
+    let notes = Prepared::new(&scene).unwrap().report().notes.clone();
+    let note = notes.iter().map(ToString::to_string).find(|n| n.contains("texture 0"));
+    assert_eq!(note.unwrap(), "texture 0: 2 of its values, infinite or no numbers, count as 0");
+}
+
+/// A board so fine that thousands of squares fall in a pixel is an even grey, in the first sample:
+/// its average was made beforehand, as light and not as codes.
+#[test]
+fn what_is_finer_than_a_pixel_is_averaged() {
+    let mut scene = scene();
+    let codes = (0..256_u32).flat_map(|y| (0..256).map(move |x| ((x + y) % 2) as u8 * 255));
+    let bitmap = Bitmap::new(256, 256, 1, Texels::Eight(codes.collect())).unwrap();
+    let bitmap = scene.add_bitmap(bitmap);
+    let mapping = UvMapping { scale: Vec2::splat(40.0), ..UvMapping::default() };
+    let texture = scene.add_texture(ImageTexture { mapping, ..ImageTexture::new(bitmap) });
+    let material = scene.add_material(Matte::new(texture));
+    scene.objects.push(Object::new(SQUARE, material));
+    let settings = Settings { size: [16, 16], spp: 1, filter: PIXEL, ..Settings::default() };
+    let settings = Settings { integrator: IntegratorKind::Albedo, ..settings };
+    let image = render(&scene, settings.clone());
+    for value in image.channel("G").unwrap() {
+        assert!((value - 0.5).abs() < 3e-3, "{value}");
+    }
+    // Seen from so near that a square fills many pixels, it is black and white.
+    scene.camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 4e-4).unwrap().into();
+    let near = render(&scene, settings);
+    let values = near.channel("G").unwrap();
+    assert!(values.iter().any(|&v| v < 0.2) && values.iter().any(|&v| v > 0.8));
+}
+
+/// A pixel of a panorama, of a plan and of a perspective view looks at textures over half its
+/// width: at twice the distance in perspective over twice as much, in a plan over as much.
+#[test]
+fn pixels_grow_with_distance_in_perspective() {
+    let level = |camera: rutilant::camera::Camera| {
+        let mut scene = scene();
+        scene.camera = camera;
+        // White for one texel in 4096: a level's texel over it holds 4^level / 4096 of white.
+        let mut values = vec![0.0; 64 * 64];
+        values[32 * 64 + 32] = 1.0;
+        let bitmap = scene.add_bitmap(Bitmap::new(64, 64, 1, Texels::Float(values)).unwrap());
+        let interpolation = Interpolation::Nearest;
+        let texture =
+            scene.add_texture(ImageTexture { interpolation, ..ImageTexture::new(bitmap) });
+        let material = scene.add_material(Matte::new(texture));
+        scene.objects.push(Object::new(SQUARE, material));
+        let settings = Settings { size: [64, 64], filter: PIXEL, ..small(64) };
+        let image = render(&scene, Settings { integrator: IntegratorKind::Albedo, ..settings });
+        let brightest = image.channel("G").unwrap().iter().copied().fold(0.0, f32::max);
+        // The brightest pixel is twice as wide, and shows a quarter of that.
+        (-brightest.log2() / 2.0).round() as i32 - 1
+    };
+    let plan = |height| Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, height).unwrap().into();
+    // A texel is 1/32 m; half a pixel of a plan `height` m high is height / 128 m.
+    assert_eq!([4.0, 8.1, 16.1, 32.1].map(|height| level(plan(height))), [0, 1, 2, 3]);
+    let eye = |distance: f32| {
+        let height_at_one = 2.0_f32;
+        let fov = 2.0 * (height_at_one / 2.0).atan();
+        Perspective::look_at(distance * Vec3::Z, Vec3::ZERO, fov).unwrap().into()
+    };
+    assert_eq!([2.0, 4.1, 8.2, 16.4].map(|distance| level(eye(distance))), [0, 1, 2, 3]);
+}
+
+/// Colours of vertices are interpolated between them, and count where the material says so.
+#[test]
+fn vertices_have_colours() {
+    let mut scene = scene();
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let mesh = scene.add_mesh(Mesh {
+        positions: corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+        colors: [0.0, 1.0, 1.0, 0.0].map(|r| [r, 0.5, 0.0, 1.0]).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    });
+    let albedo = ColorInput { vertex_colors: true, ..Rgb::new(0.8, 1.0, 1.0).into() };
+    let material = scene.add_material(Matte::new(albedo));
+    scene.objects.push(Object::new(Shape::Mesh(mesh), material));
+    let [left, right] = [0, 1].map(|i| picture(&scene).rgb().unwrap()[i]);
+    for (pixel, red) in [(left, 0.2), (right, 0.6)] {
+        assert!((pixel[0] - red).abs() < 0.02, "{pixel:?}");
+        assert!((pixel[1] - 0.5).abs() < 1e-3 && pixel[2] == 0.0, "{pixel:?}");
+    }
+    // Without them it is even; a mesh that has none is white.
+    scene.materials[0] = Matte::new(Rgb::grey(0.5)).into();
+    assert!((picture(&scene).rgb().unwrap()[0][0] - 0.5).abs() < 1e-3);
+    scene.meshes[0].colors.clear();
+    scene.materials[0] = Matte::new(ColorInput { vertex_colors: true, ..Rgb::WHITE.into() }).into();
+    assert!((picture(&scene).rgb().unwrap()[0][2] - 1.0).abs() < 1e-3);
+}
+
+/// A second set of texture coordinates is another place on the same picture.
+#[test]
+fn meshes_have_several_sets_of_coordinates() {
+    for (set, expected) in [(0, RED), (1, GREEN), (2, BLUE), (7, RED)] {
+        let mut scene = scene();
+        let image = colors(&mut scene);
+        let mapping = UvMapping { set, ..UvMapping::default() };
+        let texture = scene.add_texture(ImageTexture { mapping, ..image });
+        let at = |u: f32, v: f32| vec![Vec2::new(u, v); 3];
+        let mesh = scene.add_mesh(Mesh {
+            positions: vec![Vec3::new(-9.0, -9.0, 0.0), Vec3::X * 9.0, Vec3::Y * 9.0],
+            uvs: at(0.2, 0.8),
+            more_uvs: vec![at(0.8, 0.8), at(0.2, 0.2)],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        });
+        let shown = show(&mut scene, Shape::Mesh(mesh), texture);
+        assert_eq!(tenths(&shown)[0], expected, "{set}");
+    }
+}
+
+/// Where textures lie on round shapes: a sphere as a globe, a disk as a picture is cut round.
+#[test]
+fn round_shapes_have_coordinates() {
+    let mut scene = scene();
+    let matte = scene.add_material(Matte::new(Rgb::WHITE));
+    scene.objects.push(Object::new(Shape::Disk { radius: 2.0 }, matte));
+    let prepared = Prepared::new(&scene).unwrap();
+    for (x, y) in [(0.0, 0.0), (1.9, 0.0), (-1.0, 0.5), (0.3, -1.7)] {
+        let ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
+        let uv = prepared.uv(&prepared.closest(&ray).unwrap());
+        assert!((uv - (0.5 + 0.25 * Vec2::new(x, y))).length() < 1e-6, "{uv}");
+    }
+    scene.objects[0].shape = Shape::Sphere { radius: 0.5 };
+    let prepared = Prepared::new(&scene).unwrap();
+    let hit = prepared.closest(&Ray::new(Vec3::new(0.0, 0.0, 1.0), Vec3::NEG_Z)).unwrap();
+    assert!((prepared.uv(&hit) - Vec2::splat(0.5)).length() < 1e-6);
+}
+
+/// Part of a mix may be textured: the shares of both show.
+#[test]
+fn mixes_are_textured() {
+    let mut scene = scene();
+    let image = colors(&mut scene);
+    let texture = scene.add_texture(image);
+    let first = scene.add_material(Matte::new(texture));
+    let second = scene.add_material(Mirror { reflectance: Rgb::WHITE });
+    let mix = scene.add_material(Mix { first, second, amount: 0.5 });
+    scene.objects.push(Object::new(SQUARE, mix));
+    let expected = [[10, 5, 5], [5, 10, 5], [5, 5, 10], [10; 3]];
+    assert_eq!(tenths(&picture(&scene)), expected);
+}
+
+/// Squares are as large as their mapping says, and a picture of albedo shows them exactly.
+#[test]
+fn boards_have_squares() {
+    let mut scene = scene();
+    let (first, second) = (Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0));
+    let mapping = UvMapping { scale: Vec2::splat(2.0), ..UvMapping::default() };
+    let texture = scene.add_texture(Checker { first, second, mapping });
+    let material = scene.add_material(Matte::new(texture));
+    scene.objects.push(Object::new(SQUARE, material));
+    let integrator = IntegratorKind::Albedo;
+    let image = render(&scene, Settings { size: [4, 4], filter: PIXEL, integrator, ..small(16) });
+    let row = |first| if first { [BLUE, RED, BLUE, RED] } else { [RED, BLUE, RED, BLUE] };
+    assert_eq!(tenths(&image), [true, false, true, false].map(row).concat());
+}
+
+/// Coordinates beyond the edges wrap as the texture says.
+#[test]
+fn pictures_wrap() {
+    let cases = [
+        (Wrap::Repeat, [RED, GREEN, BLUE, WHITE]),
+        (Wrap::Clamp, [GREEN, GREEN, WHITE, WHITE]),
+        (Wrap::Mirror, [GREEN, RED, WHITE, BLUE]),
+    ];
+    for (wrap, expected) in cases {
+        let mut scene = scene();
+        let image = colors(&mut scene);
+        let mapping = UvMapping { offset: Vec2::X, ..UvMapping::default() };
+        let texture = scene.add_texture(ImageTexture { mapping, wrap: [wrap; 2], ..image });
+        assert_eq!(tenths(&show(&mut scene, SQUARE, texture)), expected, "{wrap:?}");
+    }
+}
