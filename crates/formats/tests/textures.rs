@@ -3,11 +3,11 @@
 
 use image::{ExtendedColorType, ImageEncoder};
 use rutilant::color::Rgb;
-use rutilant::material::{MaterialKind, Matte};
+use rutilant::material::{MaterialKind, Matte, Opacity, OpacityMode};
 use rutilant::scene::{BitmapId, Scene, TextureId};
 use rutilant::texture::{
-    Bitmap, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Texels, Texture, UvMapping,
-    Wrap,
+    Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput,
+    Texels, Texture, UvMapping, Wrap,
 };
 use rutilant_formats::image::{Pixels, WriteOptions, write};
 use rutilant_formats::{Limits, LoadedScene, ReadOptions, read_scene};
@@ -78,6 +78,7 @@ albedo = { texture = "all", factor = 0.5, vertex_colors = true }
 name = "b"
 type = "matte"
 albedo = { image = "a.png" }
+opacity = { texture = "all", channel = "red", factor = 0.5, cutoff = 0.25, vertex_colors = true }
 "#;
     let loaded = load(folder.path(), text, &ReadOptions::default()).expect("a scene");
     let scene = &loaded.scene;
@@ -116,6 +117,9 @@ albedo = { image = "a.png" }
     };
     assert_eq!(matte(scene, 0).albedo, input(0.5, 1, true));
     assert_eq!(matte(scene, 1).albedo, input(1.0, 3, false));
+    let amount = ScalarInput { factor: 0.5, texture: Some((TextureId(1), Channel::Red)) };
+    let mode = OpacityMode::Mask { cutoff: 0.25 };
+    assert_eq!(scene.materials[1].opacity, Some(Opacity { amount, vertex_colors: true, mode }));
     let identity = folder.path().join("a.png").canonicalize().expect("there");
     assert_eq!(loaded.files, [identity]);
 }
@@ -230,6 +234,19 @@ fn mistakes_are_told() {
             texture("type = \"checker\"\nimage = \"a.png\""),
             "scene.toml:8:1: no key \"image\" in a checker, only in [environment] or an image \
              texture or a textured color",
+        ),
+        (
+            material("0.5\nopacity = 1.5"),
+            "scene.toml:12:11: opacity is 1.5, but must lie between 0 and 1",
+        ),
+        (
+            material("0.5\nopacity = { channel = \"red\" }"),
+            "scene.toml:12:23: channel needs a texture or an image",
+        ),
+        (
+            material("0.5\nopacity = 0.5\nemission = { radiance = 1 }"),
+            "scene.toml:12:11: what glows must be opaque: light that is sampled does not know of \
+             holes",
         ),
         (
             texture("type = \"checker\"\nfirst = -1"),

@@ -146,7 +146,8 @@ impl HitPacket {
         })
     }
 
-    pub(crate) fn set(&mut self, lane: usize, hit: Option<&Hit>) {
+    /// Says what one of the rays met, or that it met nothing.
+    pub fn set(&mut self, lane: usize, hit: Option<&Hit>) {
         let Some(hit) = hit else {
             self.primitive[lane] = Self::NOTHING;
             return;

@@ -8,13 +8,15 @@ use rutilant::film::Filter;
 use rutilant::geom::{Simd, Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
-use rutilant::material::{Absorption, Dielectric, Emission, Matte, Medium, Mirror, Mix};
+use rutilant::material::{
+    Absorption, Dielectric, Emission, Material, Matte, Medium, Mirror, Mix, Opacity, OpacityMode,
+};
 use rutilant::scene::Scene;
 use rutilant::settings::{
     Crop, Heuristic, LightSelection, Roulette, SamplerKind, Settings, Strategy,
 };
 use rutilant::shape::{Mesh, Object, Shape};
-use rutilant::texture::{Bitmap, Checker, ImageTexture, Texels, UvMapping};
+use rutilant::texture::{Bitmap, Channel, Checker, ImageTexture, ScalarInput, Texels, UvMapping};
 use rutilant::{Prepared, Session};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -84,7 +86,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 /// Eight paths at once are the paths that each is alone: the scalar level traces them one by one.
 /// All that differs must be noticed: lenses, skies, spheres, glass with colour in it, rough,
-/// layered and textured materials, smooth meshes, every strategy, heuristic, roulette and way to choose lights.
+/// layered and textured materials, veils, smooth meshes, every strategy, heuristic, roulette and way to choose lights.
 #[test]
 fn paths_together_are_those_alone() {
     let even = scene_of_everything();
@@ -174,6 +176,12 @@ fn scene_of_everything() -> Scene {
     for (x, texture) in [(-0.4, picture), (0.5, board)] {
         let smooth = scene.add_material(Matte::new(texture));
         let rough = scene.add_material(Matte { roughness: 0.6, ..Matte::new(texture) });
+        let amount = ScalarInput { factor: 1.0, texture: Some((texture, Channel::Red)) };
+        for (mode, y) in [(OpacityMode::Blend, 0.5), (OpacityMode::Mask { cutoff: 0.3 }, 0.8)] {
+            let opacity = Some(Opacity { amount, vertex_colors: false, mode });
+            let veil = scene.add_material(Material { opacity, ..Matte::new(texture).into() });
+            add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.8) }, veil, [x, y, 1.6]);
+        }
         let half = scene.add_material(Mix { first: smooth, second: mirror, amount: 0.3 });
         add(&mut scene, sphere(), smooth, [x, 1.0, -0.6]);
         add(&mut scene, Shape::Box { size: Vec3::splat(0.3) }, rough, [x, -0.6, 2.4]);

@@ -10,12 +10,15 @@ use rutilant::film::Filter;
 use rutilant::geom::{Ray, Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::light::Environment;
-use rutilant::material::{Matte, Mirror, Mix};
+use rutilant::material::{
+    Emission, Material, MaterialKind, Matte, Mirror, Mix, Opacity, OpacityMode,
+};
 use rutilant::scene::{Scene, TextureId};
-use rutilant::settings::{IntegratorKind, Settings};
+use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::texture::{
-    Bitmap, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Texels, UvMapping, Wrap,
+    Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput,
+    Texels, UvMapping, Wrap,
 };
 
 /// Under a white sky, looked at along −z, two metres wide and high.
@@ -308,5 +311,79 @@ fn pictures_wrap() {
         let mapping = UvMapping { offset: Vec2::X, ..UvMapping::default() };
         let texture = scene.add_texture(ImageTexture { mapping, wrap: [wrap; 2], ..image });
         assert_eq!(tenths(&show(&mut scene, SQUARE, texture)), expected, "{wrap:?}");
+    }
+}
+
+/// A black veil of opacity a leaves 1 − a of the light behind it, whichever way rays go.
+#[test]
+fn veils_let_rays_through() {
+    for (amount, mode) in [
+        (0.0, OpacityMode::Blend),
+        (0.3, OpacityMode::Blend),
+        (1.0, OpacityMode::Blend),
+        (0.3, OpacityMode::Mask { cutoff: 0.3 }),
+        (0.3, OpacityMode::Mask { cutoff: 0.31 }),
+    ] {
+        let there = match mode {
+            OpacityMode::Blend => f64::from(amount),
+            OpacityMode::Mask { cutoff } => f64::from(u8::from(amount >= cutoff)),
+        };
+        let veil = Material {
+            opacity: Some(Opacity { amount: amount.into(), vertex_colors: false, mode }),
+            ..Material::new(MaterialKind::Black)
+        };
+        // Before a white sky, for rays from the eye …
+        let mut seen = scene();
+        let material = seen.add_material(veil.clone());
+        let wide = Shape::Rectangle { size: Vec2::splat(9.0) };
+        seen.objects.push(Object::new(wide.clone(), material));
+        common::assert_mean(&render(&seen, small(256)), 1.0 - there, 4.0);
+
+        // … and for the light that falls on a floor behind it: by light sampling, by scattered
+        // rays, and by both. The camera looks between the two.
+        for strategy in [Strategy::Both, Strategy::LightOnly, Strategy::BsdfOnly] {
+            let mut lit = scene();
+            lit.environment = None;
+            let floor = lit.add_material(Matte::new(Rgb::WHITE));
+            let material = lit.add_material(veil.clone());
+            let lamp = lit.add_material(Emission::radiance(Rgb::WHITE));
+            let at = |z| Transform::translate(z * Vec3::Z);
+            lit.objects.push(Object::new(SQUARE, floor));
+            let very_wide = Shape::Rectangle { size: Vec2::splat(4000.0) };
+            lit.objects.push(Object::new(very_wide.clone(), material).transformed(&at(1.0)));
+            let down = Transform::rotate(Vec3::X, std::f32::consts::PI);
+            lit.objects.push(Object::new(very_wide, lamp).transformed(&(at(2.0) * down)));
+            lit.camera = Orthographic::look_at(0.5 * Vec3::Z, Vec3::ZERO, 1.0).unwrap().into();
+            let settings = Settings { strategy, max_depth: Some(2), ..small(1024) };
+            common::assert_mean(&render(&lit, settings), 1.0 - there, 4.5);
+        }
+    }
+}
+
+/// A hole in a surface has the shape that the picture says, and what is seen through it is what is
+/// behind: in a picture of albedo as in one of distance.
+#[test]
+fn holes_show_what_is_behind() {
+    let mut scene = scene();
+    let codes = vec![0, 255, 255, 0];
+    let bitmap = scene.add_bitmap(Bitmap::new(2, 2, 1, Texels::Eight(codes)).unwrap());
+    let interpolation = Interpolation::Nearest;
+    let texture = scene.add_texture(ImageTexture { interpolation, ..ImageTexture::new(bitmap) });
+    let amount = ScalarInput { factor: 1.0, texture: Some((texture, Channel::Green)) };
+    let mode = OpacityMode::Mask { cutoff: 0.5 };
+    let opacity = Some(Opacity { amount, vertex_colors: false, mode });
+    let front = Material { opacity, ..Matte::new(Rgb::new(1.0, 0.0, 0.0)).into() };
+    let front = scene.add_material(front);
+    let back = scene.add_material(Matte::new(Rgb::new(0.0, 0.0, 1.0)));
+    let behind = Transform::translate(-0.001 * Vec3::Z);
+    scene.objects.push(Object::new(SQUARE, front));
+    scene.objects.push(Object::new(SQUARE, back).transformed(&behind));
+    let settings = Settings { size: [2, 2], filter: PIXEL, ..small(64) };
+    let albedo = Settings { integrator: IntegratorKind::Albedo, ..settings.clone() };
+    assert_eq!(tenths(&render(&scene, albedo)), [BLUE, RED, RED, BLUE]);
+    let depth = Settings { integrator: IntegratorKind::Depth, ..settings };
+    for (i, value) in render(&scene, depth).channel("R").unwrap().iter().enumerate() {
+        let expected = if [0, 3].contains(&i) { 3.001 } else { 3.0 };
+        assert!((value - expected).abs() < 1e-5, "{i}: {value}");
     }
 }

@@ -44,6 +44,19 @@ impl Format {
         })
     }
 
+    /// The same for a file that is to be written.
+    pub(super) fn to_write(path: &Path) -> Result<Self, ImageError> {
+        let format = Self::from_path(path);
+        if matches!(format, Ok(Self::WebP)) {
+            let what = ".webp is read, but not written: write .png";
+            return Err(ImageError::new(path, what));
+        }
+        format.map_err(|_| {
+            let written = KNOWN.into_iter().filter(|name| *name != "webp");
+            ImageError::new(path, file::unknown_format("image", path, written))
+        })
+    }
+
     /// Whether files of this format hold colours encoded for a display rather than light: what
     /// [`write()`](super::write()) wants as [`Pixels::Display`](super::Pixels::Display).
     pub fn is_for_display(self) -> bool {

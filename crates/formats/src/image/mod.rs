@@ -127,7 +127,7 @@ pub fn write<'a>(
     options: &WriteOptions,
 ) -> Result<(), ImageError> {
     let error = |what: String| ImageError::new(path, what);
-    let format = Format::from_path(path)?;
+    let format = Format::to_write(path)?;
     let pixels = pixels.into();
     let (width, height) = pixels.size();
     if width == 0 || height == 0 {
@@ -156,7 +156,7 @@ pub fn write<'a>(
         (Format::Jpeg, Pixels::Display16 { .. }) => {
             Err(format!(".{extension} holds 8 bits a colour, but these pixels have 16: write .png"))
         }
-        (Format::WebP, _) => Err(".webp is read, but not written: write .png".to_owned()),
+        (Format::WebP, _) => Err(".webp is not written".to_owned()),
         (Format::Png | Format::Jpeg, Pixels::Light(_)) => Err(format!(
             ".{extension} holds colours for a display, but these pixels are light: encode them \
              first, or write .exr"
@@ -181,9 +181,7 @@ pub fn write<'a>(
 /// files; a folder or a read-only file of that name.
 pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     let error = |what: String| ImageError::new(path, what);
-    if Format::from_path(path)? == Format::WebP {
-        return Err(error(".webp is read, but not written: write .png".to_owned()));
-    }
+    Format::to_write(path)?;
     let target = target(path).map_err(|e| error(format!("cannot write: {e}")))?;
     // A file is made there and taken away: permissions alone do not tell.
     temporary(&target).map_err(|e| error(format!("cannot write: {e}")))?;
@@ -195,7 +193,7 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
 /// # Errors
 /// Where it has none, or the format is not known.
 pub fn check_size(path: &Path, width: u32, height: u32) -> Result<(), ImageError> {
-    match Format::from_path(path)? {
+    match Format::to_write(path)? {
         Format::Jpeg => jpeg::check_size(width, height).map_err(|what| ImageError::new(path, what)),
         Format::Exr | Format::Hdr | Format::Pfm | Format::Png | Format::WebP => Ok(()),
     }

@@ -176,7 +176,7 @@ impl<'a> Caustics<'a> {
                     packet.set(lane, &paths[path].ray);
                 }
                 *rays += some.len() as u64;
-                packets.push(self.scene.surfaces().closest_packet(&packet));
+                packets.push(self.scene.closest_packet(&packet));
             }
             let mut place = 0;
             alive.retain(|&path| {
@@ -202,7 +202,7 @@ impl<'a> Caustics<'a> {
                     *rays += 1;
                 }
             }
-            let blocked = self.scene.surfaces().occluded_packet(&packet);
+            let blocked = self.scene.occluded_packet(&packet);
             free.extend((0..some.len()).filter(|lane| blocked >> lane & 1 == 0).map(|i| first + i));
         }
         free

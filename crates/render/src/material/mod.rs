@@ -8,6 +8,7 @@ mod matte;
 mod metals;
 mod mirror;
 mod mix;
+mod opacity;
 mod thin_dielectric;
 
 pub use conductor::Conductor;
@@ -18,6 +19,7 @@ pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use mix::Mix;
+pub use opacity::{Opacity, OpacityMode};
 pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
@@ -34,6 +36,8 @@ pub struct Material {
     pub kind: MaterialKind,
     /// The light it gives; none if `None`.
     pub emission: Option<Emission>,
+    /// How much of it is there; all if `None`.
+    pub opacity: Option<Opacity>,
 }
 
 /// How a surface scatters light.
@@ -62,7 +66,7 @@ pub enum MaterialKind {
 impl Material {
     /// A material without a name that gives no light.
     pub fn new(kind: MaterialKind) -> Self {
-        Self { name: String::new(), kind, emission: None }
+        Self { name: String::new(), kind, emission: None, opacity: None }
     }
 
     /// The same material under a name.
@@ -82,6 +86,9 @@ impl Material {
     /// Tells the texture of each input that has one, to be changed: for scenes that are put together
     /// of parts.
     pub fn each_texture_mut(&mut self, mut tell: impl FnMut(&mut TextureId)) {
+        if let Some((texture, _)) = self.opacity.as_mut().and_then(|o| o.amount.texture.as_mut()) {
+            tell(texture);
+        }
         match &mut self.kind {
             MaterialKind::Matte(m) => m.albedo.texture.iter_mut().for_each(&mut tell),
             MaterialKind::Black
@@ -126,6 +133,15 @@ impl Material {
             }
             MaterialKind::ThinDielectric(m) => m.validate(place)?,
             MaterialKind::Mix(m) => m.validate(place, all)?,
+        }
+        if let Some(opacity) = &self.opacity {
+            opacity.validate(place, textures)?;
+            if self.emission.is_some() {
+                return Err(place.problem(
+                    "opacity",
+                    "what glows must be opaque: light that is sampled does not know of holes",
+                ));
+            }
         }
         self.emission.as_ref().map_or(Ok(()), |e| e.validate(place))
     }

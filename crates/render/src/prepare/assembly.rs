@@ -1,6 +1,6 @@
 //! A scene is put together: shapes become surfaces in the world, and what shines emitters.
 
-use super::material::{passes, prepare_materials};
+use super::material::{passes, prepare_materials, prepare_opacities};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
@@ -100,7 +100,9 @@ impl Assembly {
         }
         let known = before.map(|before| &*before.textures);
         let textures = PreparedTextures::new(scene, known, &mut self.notes);
-        let (materials, varying) = prepare_materials(&scene.materials, &textures);
+        let (mut materials, varying) = prepare_materials(&scene.materials, &textures);
+        let opacities = prepare_opacities(&scene.materials, &mut materials);
+        let some_open = !opacities.is_empty();
         let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
         ranked.retain(|b| b.rank.is_some());
         ranked.sort_unstable_by_key(|b| b.rank);
@@ -138,6 +140,7 @@ impl Assembly {
             colors: self.colors.into(),
             textures: Arc::new(textures),
             materials: materials.into(),
+            opacities: opacities.into(),
             varying: varying.into(),
             light_beyond_sampling: !ranked_media.is_empty()
                 || self.emitters.iter().any(Emitter::is_custom),
@@ -147,6 +150,7 @@ impl Assembly {
             eye: Eye::default(),
             camera_media: Media::NONE,
             some_pass: self.some_pass,
+            some_open,
             has_borders,
             is_plain,
             casting: None,

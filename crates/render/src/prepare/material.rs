@@ -6,7 +6,7 @@ use crate::bsdf::{
     Bsdf, Fresnel, Lobe, PerfectMirror, RoughConductor, RoughDielectric, SmoothConductor,
     SmoothDielectric, ThinDielectric,
 };
-use crate::material::{Dielectric, Material, MaterialKind};
+use crate::material::{Dielectric, Material, MaterialKind, Opacity};
 use crate::medium::{Border, PreparedMedium};
 use crate::scene::MaterialId;
 use std::collections::BTreeMap;
@@ -21,6 +21,8 @@ pub(crate) struct PreparedMaterial {
     pub(crate) border: Option<Border>,
     /// The number of what tells the BSDF of each place, where that is not the same everywhere.
     pub(super) varying: Option<u32>,
+    /// The number of what tells how much of it is there, where that is not all.
+    pub(super) opacity: Option<u32>,
     /// True where rays go on as if there were nothing.
     pub(crate) passes: bool,
 }
@@ -28,7 +30,7 @@ pub(crate) struct PreparedMaterial {
 impl From<Bsdf> for PreparedMaterial {
     /// A surface that light does not cross.
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, border: None, varying: None, passes: false }
+        Self { bsdf, border: None, varying: None, opacity: None, passes: false }
     }
 }
 
@@ -150,6 +152,21 @@ pub(super) fn prepare_materials(
     };
     let materials = all.iter().enumerate().map(prepare).collect();
     (materials, varying)
+}
+
+/// Tells the materials that are not everywhere how much of them is there.
+pub(super) fn prepare_opacities(
+    all: &[Material],
+    prepared: &mut [PreparedMaterial],
+) -> Vec<Opacity> {
+    let mut opacities = Vec::new();
+    for (material, prepared) in all.iter().zip(prepared) {
+        if let Some(opacity) = material.opacity {
+            prepared.opacity = Some(opacities.len() as u32);
+            opacities.push(opacity);
+        }
+    }
+    opacities
 }
 
 /// The lobe of a material that has just one.

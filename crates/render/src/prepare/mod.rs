@@ -8,6 +8,7 @@ mod assembly;
 mod casters;
 mod casting;
 mod material;
+mod open;
 mod prepared;
 mod texture;
 mod varying;

@@ -8,6 +8,7 @@ use crate::camera::Camera;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter};
+use crate::material::Opacity;
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
 use crate::settings::{IntegratorKind, Settings, Strategy};
@@ -33,6 +34,8 @@ pub struct Prepared {
     pub(super) colors: Arc<[[f32; 4]]>,
     pub(super) textures: Arc<PreparedTextures>,
     pub(super) materials: Arc<[PreparedMaterial]>,
+    /// How much is there of the surfaces that are not everywhere.
+    pub(super) opacities: Arc<[Opacity]>,
     /// What tells more of materials that vary.
     pub(super) varying: Arc<[Varying]>,
     /// Those with a priority, the strongest first.
@@ -48,6 +51,8 @@ pub struct Prepared {
     pub(super) light_beyond_sampling: bool,
     /// Whether there is a surface that rays pass.
     pub(super) some_pass: bool,
+    /// Whether there is a surface that is not everywhere.
+    pub(super) some_open: bool,
     /// Whether there is a surface that light can cross.
     pub(super) has_borders: bool,
     /// Whether materials alone decide what surfaces do to light.
@@ -192,17 +197,6 @@ impl Prepared {
         ]
     }
 
-    /// The surface that a ray meets first.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        self.surfaces.closest(ray)
-    }
-
-    /// Whether anything is in a ray's way that rays do not pass.
-    #[inline]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        if self.some_pass { self.occluded_behind_flames(ray) } else { self.surfaces.occluded(ray) }
-    }
-
     /// What rays meet.
     pub(crate) fn surfaces(&self) -> &Surfaces {
         &self.surfaces
@@ -227,17 +221,6 @@ impl Prepared {
             emitter: object.emitter_of(primitive),
             smoothed: object.first_normal.is_some(),
         }
-    }
-
-    fn occluded_behind_flames(&self, ray: &Ray) -> bool {
-        let mut ahead = *ray;
-        while let Some(hit) = self.closest(&ahead) {
-            if !self.materials[self.object(&hit).material as usize].passes {
-                return true;
-            }
-            ahead.t_min = hit.t.next_up();
-        }
-        false
     }
 
     /// What a ray that came along the unit vector `direction` finds at `hit`.

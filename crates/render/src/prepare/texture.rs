@@ -97,14 +97,6 @@ impl PreparedTextures {
         reflectance(factor * opaque(mean))
     }
 
-    /// A number as it is in the mean.
-    pub(super) fn mean_scalar(&self, input: &ScalarInput) -> f32 {
-        let mean = |(id, channel): (crate::scene::TextureId, crate::texture::Channel)| {
-            channel.of(self.textures[id.0 as usize].mean())
-        };
-        input.factor * input.texture.map_or(1.0, mean)
-    }
-
     /// The part of the light that is sent back at a place, 0 to 1, whatever the pictures hold.
     #[inline]
     pub(super) fn reflectance(&self, input: &ColorInput, at: &TexturePlace<'_>) -> Spectrum {
@@ -260,7 +252,7 @@ impl<'p> TexturePlace<'p> {
     }
 
     /// The colour and opacity of the mesh's vertices, white where they have none.
-    fn vertex_color(&self) -> [f32; 4] {
+    pub(super) fn vertex_color(&self) -> [f32; 4] {
         let Self { scene, object, hit, .. } = self;
         let (Some(first), Some(triangle)) =
             (object.first_color, scene.surfaces.triangles().get(hit.primitive as usize))

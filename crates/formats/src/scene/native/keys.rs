@@ -49,9 +49,12 @@ pub(super) const IMAGE_TEXTURE: &[&str] = &["image", "encoding", "wrap", "interp
 pub(super) const CHECKER: &[&str] = &["first", "second"];
 pub(super) const COLOR_INPUT: &[&str] = &["texture", "image", "factor", "vertex_colors"];
 
+pub(super) const OPACITY: &[&str] =
+    &["texture", "image", "channel", "factor", "vertex_colors", "cutoff"];
+
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
 pub(super) const EMISSION: &[&str] = &["radiance", "power", "two_sided"];
-pub(super) const SCATTERING: &[&str] = &["emission"];
+pub(super) const SCATTERING: &[&str] = &["emission", "opacity"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
 pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
@@ -97,6 +100,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("an image texture", IMAGE_TEXTURE),
     ("a checker", CHECKER),
     ("a textured color", COLOR_INPUT),
+    ("opacity", OPACITY),
     ("[[material]]", ANY_MATERIAL),
     ("an emissive material or emission", EMISSION),
     ("a material that scatters", SCATTERING),

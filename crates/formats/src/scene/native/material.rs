@@ -162,7 +162,8 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
         table.only(&[keys::EMISSION])?;
         emission(&table)
     })?;
-    Ok(Material { emission, ..Material::new(kind) })
+    let opacity = table.maybe("opacity", |value| texture::opacity(value, table, draft))?;
+    Ok(Material { emission, opacity, ..Material::new(kind) })
 }
 
 fn emission(table: &Table<'_>) -> Result<Emission, SceneError> {
@@ -331,6 +332,8 @@ pub(super) fn keys_of(
         usual: false,
     });
     groups.push(Group::of(&["emission"], emission.into_iter().collect::<Vec<_>>()));
+    let opacity = material.opacity.as_ref().map(|o| texture::said_opacity(o, textures));
+    groups.push(Group::of(&["opacity"], opacity.into_iter().collect::<Vec<_>>()));
     Some(groups)
 }
 

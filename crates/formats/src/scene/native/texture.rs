@@ -2,15 +2,17 @@
 
 use super::draft::Draft;
 use super::keys;
-use super::said::{self, Group, Said, Written, color};
+use super::said::{self, Group, Said, Written, color, number};
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use crate::scene::loaded::TextureName;
 use crate::shown::shown;
 use rutilant::color::Rgb;
+use rutilant::material::{Opacity, OpacityMode};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
-    Checker, ColorInput, Encoding, ImageTexture, Interpolation, UvMapping, Wrap,
+    Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput, UvMapping,
+    Wrap,
 };
 use rutilant_geom::Vec2;
 
@@ -29,6 +31,13 @@ const WRAPS: &[(&str, Wrap)] =
 
 const INTERPOLATIONS: &[(&str, Interpolation)] =
     &[("bilinear", Interpolation::Bilinear), ("nearest", Interpolation::Nearest)];
+
+const CHANNELS: &[(&str, Channel)] = &[
+    ("red", Channel::Red),
+    ("green", Channel::Green),
+    ("blue", Channel::Blue),
+    ("alpha", Channel::Alpha),
+];
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
     let name = table.must("name", |value| {
@@ -119,7 +128,48 @@ pub(super) fn color_input<'d>(
     }
     let table = value.table("a textured color")?;
     table.only(&[keys::COLOR_INPUT])?;
-    let texture = match table.at_most_one(&["texture", "image"])? {
+    Ok(ColorInput {
+        texture: texture_of(&table, owner, draft)?,
+        factor: table.or("factor", Value::color, Rgb::WHITE)?,
+        vertex_colors: table.or("vertex_colors", Value::flag, false)?,
+    })
+}
+
+/// A number, or a table that says more: how much of a surface is there.
+pub(super) fn opacity<'d>(
+    value: &Value<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<Opacity, SceneError> {
+    if !value.is_table() {
+        let amount = value.number()?.into();
+        return Ok(Opacity { amount, vertex_colors: false, mode: OpacityMode::Blend });
+    }
+    let table = value.table("an opacity")?;
+    table.only(&[keys::OPACITY])?;
+    let texture = texture_of(&table, owner, draft)?;
+    let channel = table.maybe("channel", |v| v.one_of("channel", CHANNELS))?;
+    if let (None, Some(value)) = (texture, table.get("channel")) {
+        return Err(value.invalid("channel needs a texture or an image"));
+    }
+    let cutoff = table.maybe("cutoff", Value::number)?;
+    Ok(Opacity {
+        amount: ScalarInput {
+            factor: table.or("factor", Value::number, 1.0)?,
+            texture: texture.map(|id| (id, channel.unwrap_or(Channel::Alpha))),
+        },
+        vertex_colors: table.or("vertex_colors", Value::flag, false)?,
+        mode: cutoff.map_or(OpacityMode::Blend, |cutoff| OpacityMode::Mask { cutoff }),
+    })
+}
+
+/// The texture that a table names, or makes of a picture.
+fn texture_of<'d>(
+    table: &Table<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<Option<TextureId>, SceneError> {
+    Ok(match table.at_most_one(&["texture", "image"])? {
         Some("texture") => Some(table.must("texture", |value| named(value, draft))?),
         Some(_) => Some(table.must("image", |value| {
             let bitmap = picture(value, draft)?;
@@ -127,11 +177,6 @@ pub(super) fn color_input<'d>(
             Ok(draft.add_texture(owner, name, ImageTexture::new(bitmap)))
         })?),
         None => None,
-    };
-    Ok(ColorInput {
-        factor: table.or("factor", Value::color, Rgb::WHITE)?,
-        texture,
-        vertex_colors: table.or("vertex_colors", Value::flag, false)?,
     })
 }
 
@@ -155,14 +200,43 @@ pub(super) fn said_color(
     if !input.varies() {
         return Said::or(key, color(input.factor), usual);
     }
-    let texture = input.texture.and_then(|id| names.get(id.0 as usize)).map(|name| match name {
-        TextureName::Named(name) => Said::new("texture", said::text(name)),
-        TextureName::Image(file) => Said::new("image", said::text(file)),
-    });
     let groups = vec![
-        Group::of(&["texture", "image"], texture.into_iter().collect::<Vec<_>>()),
+        said_texture(input.texture, names),
         Group::or(&["factor"], color(input.factor), "1"),
         Group::or(&["vertex_colors"], input.vertex_colors.to_string(), "false"),
     ];
     Said { key, value: Written::Table(groups), usual: false }
+}
+
+/// How much of a surface is there.
+pub(super) fn said_opacity(opacity: &Opacity, names: &[TextureName]) -> Said {
+    let &Opacity { amount: ScalarInput { factor, texture }, vertex_colors, mode } = opacity;
+    let value = if (texture, vertex_colors, mode) == (None, false, OpacityMode::Blend) {
+        Written::Plain(number(factor))
+    } else {
+        let usual = said::name(CHANNELS, &Channel::Alpha);
+        let channel =
+            texture.map(|(_, channel)| Said::or("channel", said::name(CHANNELS, &channel), &usual));
+        let cutoff = match mode {
+            OpacityMode::Blend => None,
+            OpacityMode::Mask { cutoff } => Some(number(cutoff)),
+        };
+        Written::Table(vec![
+            said_texture(texture.map(|(id, _)| id), names),
+            Group::of(&["channel"], channel.into_iter().collect::<Vec<_>>()),
+            Group::or(&["factor"], number(factor), "1"),
+            Group::or(&["vertex_colors"], vertex_colors.to_string(), "false"),
+            Group::maybe(&["cutoff"], cutoff),
+        ])
+    };
+    Said { key: "opacity", value, usual: false }
+}
+
+/// What a table calls a texture.
+fn said_texture(texture: Option<TextureId>, names: &[TextureName]) -> Group {
+    let said = texture.and_then(|id| names.get(id.0 as usize)).map(|name| match name {
+        TextureName::Named(name) => Said::new("texture", said::text(name)),
+        TextureName::Image(file) => Said::new("image", said::text(file)),
+    });
+    Group::of(&["texture", "image"], said.into_iter().collect::<Vec<_>>())
 }

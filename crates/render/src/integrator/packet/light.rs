@@ -114,7 +114,7 @@ impl Path<'_> {
             leaves: met.left(surface.normal, side, ways.wi),
         };
         *rays += u64::from(worth_it.count_ones());
-        let free = worth_it & !scene.surfaces().occluded_packet(&shadow);
+        let free = worth_it & !scene.occluded_packet(&shadow);
         let mut arrives = unshadowed;
         if scene.has_borders() {
             let mut sides = met.absorption;

@@ -77,7 +77,7 @@ impl Path<'_> {
         *rays += u64::from(there.count_ones());
 
         // Find the next surfaces, or leave the scene, and lose what the media on the way take.
-        let hits = scene.surfaces().closest_packet(&paths.rays);
+        let hits = scene.closest_packet(&paths.rays);
         let mut made = [None; LANES];
         let mut met = MetPacket::new(scene, &paths.rays, &hits, there, &mut made);
         let surface = met.surface(simd, &paths.rays);
