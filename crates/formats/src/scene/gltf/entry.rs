@@ -80,6 +80,12 @@ impl<'j> Entry<'_, 'j> {
         SceneErrorKind::Invalid(format!("{} {what}", self.place))
     }
 
+    /// The same with a colon between, for a whole sentence.
+    #[cold]
+    pub(super) fn trouble(&self, what: impl fmt::Display) -> SceneErrorKind {
+        SceneErrorKind::Invalid(format!("{}: {what}", self.place))
+    }
+
     #[cold]
     fn ill_typed(&self, wanted: &str) -> SceneErrorKind {
         let is = match self.json {

@@ -137,9 +137,13 @@ pub(super) fn nodes(
         let mut reached = vec![false; count];
         order.iter().for_each(|&node| reached[node] = true);
         let lost = reached.iter().position(|reached| !reached).unwrap_or(0);
-        // From there up, as many steps as there are nodes, is on the circle for certain.
-        let on_circle = (0..count).fold(lost, |node, _| nodes[node].parent.unwrap_or(node));
-        let what = format!("nodes[{on_circle}] is below itself");
+        // From there up, as many steps as there are nodes, is on the circle for certain; once
+        // around, and the first of the circle is found.
+        let up = |node: usize| nodes[node].parent.unwrap_or(node);
+        let on_circle = (0..count).fold(lost, |node, _| up(node));
+        let around = std::iter::successors(Some(up(on_circle)), |&node| Some(up(node)));
+        let first = around.take_while(|&node| node != on_circle).fold(on_circle, usize::min);
+        let what = format!("nodes[{first}] is below itself");
         return Err(crate::error::SceneErrorKind::Invalid(what));
     }
     Ok(Nodes { nodes, order })

@@ -233,13 +233,13 @@ impl Opened<'_> {
     }
 
     fn file(&mut self, name: &str, uri: &Entry<'_, '_>) -> Result<Rc<Vec<u8>>> {
-        let found = find(self.files, name).map_err(|what| uri.wrong(format_args!(": {what}")))?;
+        let found = find(self.files, name).map_err(|what| uri.trouble(what))?;
         if let Some(bytes) = self.by_file.get(&found.identity) {
             return Ok(bytes.clone());
         }
         let bytes = file::scene_bytes(&found.path, self.limits).map_err(|error| {
             let name = shown(name);
-            uri.wrong(format_args!(": \"{name}\": {}", error.kind))
+            uri.trouble(format_args!("\"{name}\": {}", error.kind))
         })?;
         let bytes = Rc::new(bytes);
         self.by_file.insert(found.identity, bytes.clone());
