@@ -75,9 +75,8 @@ fn what_cannot_be_read_is_named() {
     );
     assert_eq!(asset(json!({})), "asset has no \"version\"");
     assert_eq!(
-        with("extensionsRequired", json!(["KHR_draco_mesh_compression"])),
-        "it needs the extension KHR_draco_mesh_compression (meshes compressed by Draco), which is \
-         not read"
+        with("extensionsRequired", json!(["KHR_texture_basisu"])),
+        "it needs the extension KHR_texture_basisu (KTX2 images), which is not read"
     );
     assert_eq!(
         with("extensionsRequired", json!(["A_b", "KHR_materials_ior", "C\nd"])),

@@ -462,6 +462,49 @@ fn compressed_views_are_unpacked() {
     assert_eq!(builder.error(), "bufferViews[0].extensions.KHR_meshopt_compression is cut off");
 }
 
+/// A hilly square of 5x5 points that Google's own encoder compressed in three ways (two orders of
+/// triangles along edges, and row by row): the same points, within the 12 bits that it kept, each
+/// with its texture coordinates, and the same triangles.
+#[test]
+fn draco_is_decoded() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/corpus/gltf/");
+    let height = |x: usize, y: usize| ((x * x + 3 * y) % 4) as f32 / 4.0;
+    let corner = |i: usize| Vec3::new((i % 5) as f32, (i / 5) as f32, height(i % 5, i / 5));
+    // Each triangle once, beginning with its first point in the order of rows.
+    let sorted = |mut triangle: [usize; 3]| {
+        let first = (0..3).min_by_key(|&i| triangle[i]).unwrap_or(0);
+        triangle.rotate_left(first);
+        triangle
+    };
+    let mut expected = Vec::new();
+    for a in (0..20).filter(|a| a % 5 < 4) {
+        expected.extend([[a, a + 1, a + 5], [a + 1, a + 6, a + 5]].map(sorted));
+    }
+    expected.sort();
+    for name in ["draco-edges.glb", "draco-valence.glb", "draco-rows.glb"] {
+        let document = read(&fs::read(format!("{folder}{name}")).expect(name)).expect(name);
+        let read = &document.meshes[0].primitives[0];
+        // Which point each vertex is, by its place in the plane.
+        let points: Vec<usize> = read
+            .positions
+            .iter()
+            .zip(read.uvs[&0].iter())
+            .map(|(p, uv)| {
+                let i = p.x.round() as usize + 5 * p.y.round() as usize;
+                assert!((*p - corner(i)).length() < 4.0 / 4096.0, "{name}: {p}");
+                assert!((*uv * 4.0 - Vec2::new(p.x, p.y)).length() < 4.0 / 1024.0, "{name}: {uv}");
+                i
+            })
+            .collect();
+        let mut triangles: Vec<_> =
+            read.triangles.iter().map(|t| sorted(t.map(|v| points[v as usize]))).collect();
+        triangles.sort();
+        assert_eq!(triangles, expected, "{name}");
+        let normals = read.normals.as_ref().expect("normals");
+        assert!(normals.iter().all(|n| (*n - Vec3::Z).length() < 0.01), "{name}");
+    }
+}
+
 /// A binary file with chunks of unknown kinds, and with bytes behind its end.
 #[test]
 fn unknown_chunks_are_skipped() {

@@ -42,12 +42,25 @@ impl Component {
         })
     }
 
-    fn size(self) -> usize {
+    pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
         }
+    }
+
+    /// A number stored so, the nearest there is.
+    pub(super) fn bytes(self, number: f64) -> impl Iterator<Item = u8> {
+        let bytes = match self {
+            Self::I8 => (number as i8 as u32).to_le_bytes(),
+            Self::U8 => u32::from(number as u8).to_le_bytes(),
+            Self::I16 => (number as i16 as u32).to_le_bytes(),
+            Self::U16 => u32::from(number as u16).to_le_bytes(),
+            Self::U32 => (number as u32).to_le_bytes(),
+            Self::F32 => (number as f32).to_le_bytes(),
+        };
+        bytes.into_iter().take(self.size())
     }
 }
 
@@ -232,6 +245,24 @@ impl<'b> Accessors<'b> {
     pub(super) fn has_bytes(&self, at: &Entry<'_, '_>) -> Result<bool> {
         let accessor = &self.all[self.index(at)?];
         Ok(accessor.range.is_some() || accessor.sparse.is_some())
+    }
+
+    /// How many elements an accessor has.
+    pub(super) fn length(&self, index: usize) -> usize {
+        self.all[index].count
+    }
+
+    /// How an accessor's numbers are stored, and how many an element has.
+    pub(super) fn layout(&self, index: usize) -> (Component, usize) {
+        (self.all[index].component, self.all[index].width)
+    }
+
+    /// Gives bytes to an accessor that has none: all its elements, one after the other.
+    pub(super) fn supply(&mut self, index: usize, bytes: Vec<u8>) {
+        let accessor = &mut self.all[index];
+        let stride = accessor.component.size() * accessor.width;
+        debug_assert_eq!(bytes.len(), accessor.count * stride);
+        accessor.range = Some(Range { view: self.store.add(bytes), start: 0, stride });
     }
 
     /// Whether the accessor named at `at` has elements of a type.

@@ -6,7 +6,7 @@ use super::entry::{Entry, Notes, Result};
 use super::glb;
 use super::json;
 use super::material::{self, Material};
-use super::mesh::{self, DRACO, Mesh};
+use super::mesh::{self, Mesh};
 use super::node::{self, Camera, Light, Node, Nodes, Skin};
 use super::store::Store;
 use super::texture::{self, Image, Texture};
@@ -100,6 +100,7 @@ const READ: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -125,7 +126,6 @@ const READ: &[&str] = &[
 
 /// Extensions that are not read, in words.
 const NOT_READ: &[(&str, &str)] = &[
-    (DRACO, "meshes compressed by Draco"),
     ("KHR_texture_basisu", "KTX2 images"),
     ("MSFT_texture_dds", "DDS images"),
     ("EXT_texture_avif", "AVIF images"),

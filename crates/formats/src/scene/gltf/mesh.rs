@@ -8,8 +8,8 @@
 //! Source: Khronos Group, *glTF 2.0 Specification*, 2021, section 3.7.
 
 use super::accessor::{Accessors, Mode, Whole};
+use super::draco;
 use super::entry::{Entry, Result};
-use super::store::unsupported;
 use super::texture::numbered;
 use crate::error::SceneErrorKind;
 use crate::limits::Limits;
@@ -173,8 +173,8 @@ fn primitive(
         entry.notes.add("primitives without POSITION, left out", || entry.place.to_string());
         return Ok(None);
     };
-    if entry.extension(DRACO)?.is_some() && !accessors.has_bytes(&position)? {
-        return Err(unsupported(entry, format_args!("needs {DRACO}, which is not read")));
+    if let Some(compressed) = entry.extension(draco::NAME)? {
+        draco::unpack(entry, &compressed, accessors)?;
     }
     let positions = accessors.vec3(&position)?;
     let count = positions.len();
@@ -260,9 +260,6 @@ fn primitive(
     }
     Ok(Some(read))
 }
-
-/// The extension for meshes that are compressed by Draco.
-pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Joints and weights, set by set.
 fn skinning(

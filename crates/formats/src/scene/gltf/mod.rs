@@ -15,6 +15,7 @@ mod accessor;
 mod affine;
 mod animation;
 mod document;
+mod draco;
 mod entry;
 mod glb;
 mod json;

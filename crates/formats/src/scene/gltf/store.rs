@@ -19,8 +19,8 @@ use std::rc::Rc;
 
 /// Bytes in arrays for each byte of the files. Bytes that are widened to numbers of 4 bytes and
 /// colours without alpha grow to 16/3, strips of one-byte indices to 12 times their size, and
-/// compressed views to some times more.
-const GROWTH: u64 = 64;
+/// what is compressed to ten times more.
+const GROWTH: u64 = 128;
 
 /// Bytes in arrays that any file may have.
 const FREE: u64 = 1 << 20;
@@ -35,6 +35,11 @@ pub(super) struct Budget {
 impl Budget {
     fn for_bytes(present: u64) -> Self {
         Self { used: 0, all: present.saturating_mul(GROWTH).saturating_add(FREE), present }
+    }
+
+    /// How many are left.
+    pub(super) fn left(&self) -> u64 {
+        self.all.saturating_sub(self.used)
     }
 
     /// Charges `count` things of `size` bytes each.
@@ -89,6 +94,8 @@ struct View {
 pub(super) struct Store<'b> {
     buffers: Vec<Buffer<'b>>,
     views: Vec<View>,
+    /// How many of them the document has.
+    told: usize,
     pub(super) budget: Budget,
     /// The files that buffers are, symbolic links followed.
     pub(super) files: Vec<PathBuf>,
@@ -117,19 +124,28 @@ impl<'b> Store<'b> {
         let mut files: Vec<_> = opened.by_file.into_keys().collect();
         files.sort();
         let budget = Budget::for_bytes(own.saturating_add(files_bytes));
-        let mut store = Self { buffers, views: Vec::new(), budget, files };
+        let mut store = Self { buffers, views: Vec::new(), told: 0, budget, files };
         if let Some(list) = root.get("bufferViews")? {
             for entry in list.items()? {
                 let view = store.view(&entry)?;
                 store.views.push(view);
             }
         }
+        store.told = store.views.len();
         Ok(store)
     }
 
-    /// How many views there are.
+    /// How many views the document has.
     pub(super) fn views(&self) -> usize {
-        self.views.len()
+        self.told
+    }
+
+    /// Adds a view of bytes that were unpacked from others; its number.
+    pub(super) fn add(&mut self, bytes: Vec<u8>) -> usize {
+        let length = bytes.len();
+        let view = View { buffer: 0, start: 0, length, stride: None, unpacked: Some(bytes) };
+        self.views.push(view);
+        self.views.len() - 1
     }
 
     /// The bytes of a view, named at `at`.
