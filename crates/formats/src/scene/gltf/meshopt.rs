@@ -504,13 +504,14 @@ mod tests {
         assert_eq!(signed, [-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0]);
     }
 
-    /// The numbers of the specification's appendix A, and one of six bytes.
+    /// The first two numbers of the specification's appendix A (its third has its bytes the other
+    /// way round, against the LEB128 that it names), one of DWARF 5, section 7.6, and one too long.
     #[test]
     fn numbers_have_seven_bits_a_byte() {
         let number = |rest: &[u8]| Stream { rest }.number();
         assert_eq!(number(&[0x7f]), Ok(0x7f));
         assert_eq!(number(&[0x81, 0x04]), Ok(0x201));
-        assert_eq!(number(&[0xff, 0xa0, 0x05]), Ok(0x1fd005));
+        assert_eq!(number(&[0xb9, 0x64]), Ok(12857));
         assert!(number(&[0x80; 6]).is_err());
         assert!(number(&[0x80; 4]).is_err());
     }
@@ -585,7 +586,7 @@ mod tests {
         let [x, y, z, w] = quaternion([0, 0, 0x7ff, 0x7fc]);
         assert!((x - half).abs() <= 1 && (w - half).abs() <= 1 && y == 0 && z == 0, "{x} {w}");
         for (e, m, value) in [(0, 1, 1.0), (-1, 3, 1.5), (4, -2, -32.0), (-100, 1, 7.888_609e-31)] {
-            let mut bytes = (e << 24 | (m & 0xff_ffff)).to_le_bytes();
+            let mut bytes = (e << 24 | (m & 0xff_ffff_i32)).to_le_bytes();
             filter(&layout(1, 4, Mode::Attributes, Filter::Exponential), &mut bytes);
             assert_eq!(f32::from_le_bytes(bytes), value);
         }
