@@ -3,6 +3,7 @@
 pub(crate) mod bare;
 mod files;
 mod framing;
+pub mod gltf;
 pub(crate) mod loaded;
 mod mesh_file;
 pub mod mtl;

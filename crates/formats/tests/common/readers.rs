@@ -10,6 +10,7 @@ use rutilant::settings::Settings;
 use rutilant::shape::Mesh;
 use rutilant::texture::{Bitmap, Texture};
 use rutilant::{Prepared, Session};
+use rutilant_formats::scene::gltf::{self, Moment};
 use rutilant_formats::scene::{mtl, obj, ply};
 use rutilant_formats::{Limits, ReadOptions, image, parse_native};
 use std::path::Path;
@@ -32,6 +33,7 @@ pub(crate) const READERS: &[Reader] = &[
     Reader { name: "obj", check: obj, words: OBJ_WORDS },
     Reader { name: "mtl", check: mtl, words: MTL_WORDS },
     Reader { name: "ply", check: ply, words: PLY_WORDS },
+    Reader { name: "gltf", check: gltf, words: GLTF_WORDS },
     Reader { name: "exr", check: |bytes| image(bytes, "a.exr"), words: &[] },
     Reader { name: "hdr", check: |bytes| image(bytes, "a.hdr"), words: &[] },
     Reader { name: "pfm", check: |bytes| image(bytes, "a.pfm"), words: &[] },
@@ -135,6 +137,48 @@ const PLY_WORDS: &[&[u8]] = &[
     b"vertex_indices\n",
 ];
 
+/// Pieces that matter to JSON, to the documents written in it, and to binary ones.
+const GLTF_WORDS: &[&[u8]] = &[
+    b"{",
+    b"}",
+    b"[",
+    b"]",
+    b",",
+    b":",
+    b"\"",
+    b"\\u0000",
+    b"null",
+    b"true",
+    b"{}",
+    b"[]",
+    b"1e38",
+    b"-1e38",
+    b"1e-45",
+    b"0.5",
+    b"16",
+    b"255",
+    b"9007199254740991",
+    b"\"count\":",
+    b"\"byteStride\":",
+    b"\"byteOffset\":",
+    b"\"sparse\":{}",
+    b"\"normalized\":true,",
+    b"\"mode\":6,",
+    b"\"children\":[0],",
+    b"5121",
+    b"5123",
+    b"5125",
+    b"5126",
+    b"MAT4",
+    b"VEC4",
+    b"SCALAR",
+    b"data:,",
+    b"\xa1",
+    b"\xe1",
+    b"JSON",
+    b"BIN\0",
+];
+
 /// An error of one line that is no page: nothing was read.
 fn refused(error: &dyn std::error::Error) -> bool {
     let text = error.to_string();
@@ -215,6 +259,48 @@ fn ply(bytes: &[u8]) -> bool {
         }
         Err(error) => refused(&error),
     }
+}
+
+/// More vertices than that are not bent: a document may place the same mesh many times.
+const MOST_BENT: usize = 100_000;
+
+fn gltf(bytes: &[u8]) -> bool {
+    let document = match gltf::read_bytes(bytes, Path::new("nowhere/a.gltf"), &options()) {
+        Ok(document) => document,
+        Err(error) => return refused(&error),
+    };
+    checked_notes(&document.notes);
+    let mut bent = 0;
+    for moment in [None, Some(0.0), Some(0.3), Some(1e9)] {
+        let pose = document.pose(moment.map(|seconds| Moment { animation: 0, seconds }));
+        let placed = match document.placed(None, &pose) {
+            Ok(placed) => placed,
+            Err(error) => {
+                refused(&error);
+                continue;
+            }
+        };
+        for placed in placed {
+            let mesh = placed.mesh.map(|mesh| &document.meshes[mesh]);
+            for primitive in mesh.iter().flat_map(|mesh| &mesh.primitives) {
+                let count = primitive.positions.len();
+                assert!(primitive.triangles.iter().flatten().all(|&v| (v as usize) < count));
+                assert!(primitive.uvs.values().all(|uvs| uvs.len() == count));
+                assert!(primitive.colors.values().all(|colors| colors.len() == count));
+                let material = document.material(primitive, Some(0));
+                assert!(material.is_none_or(|material| material < document.materials.len()));
+                bent += count;
+                if bent > MOST_BENT {
+                    return true;
+                }
+                let bent = document.bent(&pose, placed.node, primitive);
+                assert_eq!(bent.positions.len(), count);
+                assert!(bent.normals.is_none_or(|normals| normals.len() == count));
+                assert!(bent.tangents.is_none_or(|tangents| tangents.len() == count));
+            }
+        }
+    }
+    true
 }
 
 fn image(bytes: &[u8], name: &str) -> bool {
