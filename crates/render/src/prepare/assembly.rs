@@ -135,6 +135,7 @@ impl Assembly {
                 || self.emitters.iter().any(Emitter::is_custom),
             ranked_media: ranked_media.into(),
             emitters: self.emitters.into(),
+            light_tree: Arc::default(),
             environment,
             camera_media: Media::NONE,
             some_pass: self.some_pass,

@@ -4,7 +4,7 @@ use super::casting::{Casting, Extent};
 use super::material::PreparedMaterial;
 use crate::camera::Camera;
 use crate::interaction::SurfaceInteraction;
-use crate::light::{Emitter, EnvironmentEmitter};
+use crate::light::{Emitter, EnvironmentEmitter, LightTree};
 use crate::material::{CustomMaterial, SurfacePoint};
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
@@ -33,6 +33,8 @@ pub struct Prepared {
     /// Those with a priority, the strongest first.
     pub(super) ranked_media: Arc<[PreparedMedium]>,
     pub(super) emitters: Arc<[Emitter]>,
+    /// The tree of those within the scene, once it is asked for.
+    pub(super) light_tree: Arc<OnceLock<Option<Arc<LightTree>>>>,
     /// The emitter that is the sky.
     pub(super) environment: Option<u32>,
     /// What the camera stands in.
@@ -420,6 +422,11 @@ impl Prepared {
     /// Everything that shines.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// The tree of all emitters within the scene, which is built when it is first asked for.
+    pub(crate) fn light_tree(&self) -> Option<Arc<LightTree>> {
+        self.light_tree.get_or_init(|| LightTree::new(&self.emitters).map(Arc::new)).clone()
     }
 
     /// The sky's number among the emitters, and the sky.
