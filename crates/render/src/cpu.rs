@@ -66,7 +66,8 @@ impl Rendering<'_> {
         let settings = self.settings;
         let max_depth = settings.max_depth.unwrap_or(u32::MAX);
         let (kind, emitters) = (settings.light_selection, self.scene.emitters());
-        let (radius, tree) = (self.scene.radius(), || self.scene.light_tree());
+        let radius = self.scene.radius();
+        let tree = || Some((self.scene.light_tree()?, self.scene.surfaces().level()));
         let camera = self.scene.focused_camera(settings.size);
         let filter = FilterSampler::new(&settings.filter);
         let eye = Eye { camera: &camera, filter: &filter };

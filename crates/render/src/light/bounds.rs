@@ -26,18 +26,26 @@ pub(super) struct EmitterBounds {
     pub(super) two_sided: bool,
     /// The luminance, in W/sr, with which it shines where it shines most, seen from afar.
     pub(super) intensity: f64,
+    /// The mean over all directions of what it sends there, in parts of that.
+    pub(super) mean: f32,
 }
 
 impl EmitterBounds {
     /// A flat lamp that shines from its front.
     pub(super) fn flat(low: DVec3, high: DVec3, normal: Vec3, intensity: f64) -> Self {
         let (cos_normals, cos_shines, two_sided) = (1.0, 0.0, false);
-        Self { low, high, axis: normal, cos_normals, cos_shines, two_sided, intensity }
+        let mean = 0.25;
+        Self { low, high, axis: normal, cos_normals, cos_shines, two_sided, intensity, mean }
+    }
+
+    /// The same lamp shining from its back as well, if it does.
+    pub(super) fn from_both(self, two_sided: bool) -> Self {
+        Self { two_sided, mean: if two_sided { 2.0 * self.mean } else { self.mean }, ..self }
     }
 
     /// A lamp that is the same from everywhere.
     pub(super) fn round(low: DVec3, high: DVec3, intensity: f64) -> Self {
-        Self { cos_normals: -1.0, ..Self::flat(low, high, Vec3::Z, intensity) }
+        Self { cos_normals: -1.0, mean: 1.0, ..Self::flat(low, high, Vec3::Z, intensity) }
     }
 
     /// True where it gives light from a place that is known.

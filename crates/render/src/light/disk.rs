@@ -40,8 +40,8 @@ impl DiskEmitter {
         // How far an ellipse extends along an axis.
         let reach = (u * u + v * v).map(f64::sqrt);
         let intensity = self.glow.intensity(f64::from(self.area));
-        let flat = EmitterBounds::flat(center - reach, center + reach, self.normal, intensity);
-        EmitterBounds { two_sided: self.glow.two_sided, ..flat }
+        EmitterBounds::flat(center - reach, center + reach, self.normal, intensity)
+            .from_both(self.glow.two_sided)
     }
 
     pub(super) fn point(&self, u: Vec2) -> LampPoint {

@@ -11,6 +11,7 @@ use super::shading_point::ShadingPoint;
 use super::tree::LightTree;
 use crate::math::distribution::Distribution1d;
 use crate::settings::LightSelection;
+use fearless_simd::Level;
 use std::sync::Arc;
 
 /// Chooses emitters by number.
@@ -32,6 +33,8 @@ pub struct TreeSelection {
     tree: Arc<LightTree>,
     /// The numbers of lights at infinity.
     endless: Vec<u32>,
+    /// With which instructions the tree is looked at.
+    level: Level,
 }
 
 /// From so many lights within the scene on, the tree is the usual choice. Fewer are not worth
@@ -41,16 +44,16 @@ const MANY: usize = 9;
 impl EmitterSelection {
     /// Chooses among `emitters` in the way of `kind`; `scene_radius` as in [`Emitter::power`].
     pub fn new(kind: LightSelection, emitters: &[Emitter], scene_radius: f32) -> Self {
-        let tree = || LightTree::new(emitters).map(Arc::new);
+        let tree = || Some((Arc::new(LightTree::new(emitters)?), Level::new()));
         Self::with_tree(kind, emitters, scene_radius, tree)
     }
 
-    /// The same with the tree of these emitters, if it is needed.
+    /// The same with the tree of these emitters, if it is needed, and the instructions to use.
     pub(crate) fn with_tree(
         kind: LightSelection,
         emitters: &[Emitter],
         scene_radius: f32,
-        tree: impl FnOnce() -> Option<Arc<LightTree>>,
+        tree: impl FnOnce() -> Option<(Arc<LightTree>, Level)>,
     ) -> Self {
         Self::among(kind, emitters, scene_radius, tree, |_| true)
     }
@@ -64,7 +67,7 @@ impl EmitterSelection {
         kind: LightSelection,
         emitters: &[Emitter],
         scene_radius: f32,
-        tree: impl FnOnce() -> Option<Arc<LightTree>>,
+        tree: impl FnOnce() -> Option<(Arc<LightTree>, Level)>,
     ) -> Self {
         Self::among(kind, emitters, scene_radius, tree, |e| !e.is_even_sky())
     }
@@ -82,7 +85,7 @@ impl EmitterSelection {
         kind: LightSelection,
         emitters: &[Emitter],
         scene_radius: f32,
-        tree: impl FnOnce() -> Option<Arc<LightTree>>,
+        tree: impl FnOnce() -> Option<(Arc<LightTree>, Level)>,
         chosen: impl Fn(&Emitter) -> bool,
     ) -> Self {
         let count = emitters.iter().filter(|e| chosen(e)).count();
@@ -116,7 +119,9 @@ impl EmitterSelection {
             let shines = |e: &Emitter| e.is_infinite() && chosen(e) && !e.power(1.0).is_black();
             let endless = (0..).zip(emitters).filter(|(_, e)| shines(e)).map(|(i, _)| i);
             match tree() {
-                Some(tree) => Self::Tree(TreeSelection { tree, endless: endless.collect() }),
+                Some((tree, level)) => {
+                    Self::Tree(TreeSelection { tree, endless: endless.collect(), level })
+                }
                 // There are only lights at infinity.
                 None => by_power(),
             }
@@ -193,7 +198,7 @@ impl TreeSelection {
             return Some((number as usize, 1.0 / parts as f32));
         }
         let within = (part - self.endless.len() as f64).min(1.0 - 0.5 * f64::EPSILON);
-        let (emitter, pmf) = self.tree.select(point, within)?;
+        let (emitter, pmf) = self.tree.select(self.level, point, within)?;
         Some((emitter, pmf / parts as f32))
     }
 
@@ -202,6 +207,6 @@ impl TreeSelection {
         if self.endless.contains(&(emitter as u32)) {
             return 1.0 / parts as f32;
         }
-        self.tree.pmf(point, emitter) / parts as f32
+        self.tree.pmf(self.level, point, emitter) / parts as f32
     }
 }

@@ -63,7 +63,8 @@ impl SpotEmitter {
         let (cos_normals, cos_shines) =
             if cos_between >= 0.0 { (cos_inner, cos_between) } else { (sin_outer, 0.0) };
         let round = EmitterBounds::round(at, at, intensity);
-        EmitterBounds { axis: self.axis, cos_normals, cos_shines, ..round }
+        let mean = 0.25 * (self.inner + self.outer);
+        EmitterBounds { axis: self.axis, cos_normals, cos_shines, mean, ..round }
     }
 
     pub(super) fn power(&self) -> Spectrum {

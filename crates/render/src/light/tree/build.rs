@@ -27,6 +27,7 @@ pub(super) struct Item {
     cos_shines: f32,
     /// Relative to the brightest of all.
     intensity: f32,
+    mean: f32,
     number: u32,
     two_sided: bool,
 }
@@ -51,6 +52,7 @@ impl Item {
             cos_normals: bounds.cos_normals,
             cos_shines: bounds.cos_shines.min(WIDEST_COSINE),
             intensity: ((bounds.intensity / brightest) as f32).max(f32::MIN_POSITIVE),
+            mean: bounds.mean,
             number,
             two_sided: bounds.two_sided,
         }
@@ -172,31 +174,47 @@ fn total_of(items: &[Item]) -> f64 {
     items.iter().map(|item| f64::from(item.intensity)).sum()
 }
 
-/// The bounds of some emitters, whose relative intensity is known.
-fn group_of(items: &[Item], intensity: f64) -> Group {
-    let first = items[0];
+/// The bounds of some emitters, whose intensity relative to that of the brightest is known.
+fn group_of(items: &[Item], share: f64) -> Group {
+    let first = &items[0];
     let low = items.iter().fold(first.low, |low, item| low.min(item.low));
     let high = items.iter().fold(first.high, |high, item| high.max(item.high));
-    let center = (low + high) * 0.5;
+    let two_sided = items.iter().any(|item| item.two_sided);
+    let share = (share as f32).max(f32::MIN_POSITIVE);
     let group = Group {
-        center,
-        radius2: (high - center).length_squared(),
+        center: (low + high) * 0.5,
+        half: (high - low) * 0.5,
         axis: first.axis,
         cos_normals: first.cos_normals,
         cos_shines: items.iter().fold(1.0, |cos, item| item.cos_shines.min(cos)),
-        two_sided: items.iter().any(|item| item.two_sided),
-        intensity: (intensity as f32).max(f32::MIN_POSITIVE),
+        two_sided,
+        even: share,
+        directed: 0.0,
     };
-    if items.len() == 1 || items.iter().any(|item| item.cos_normals == -1.0) {
-        let all_around = if items.len() == 1 { first.cos_normals } else { -1.0 };
-        return Group { cos_normals: all_around, ..group };
+    if items.len() == 1 {
+        let flat = first.cos_normals == 1.0 && first.cos_shines == 0.0;
+        return if flat { Group { even: 0.0, directed: share, ..group } } else { group };
     }
+
     // Two-sided ones are turned to the side that most are on so far.
-    let side = |axis: Vec3, to: Vec3| {
-        if group.two_sided && axis.dot(to) < 0.0 { -axis } else { axis }
+    let side = |axis: Vec3, to: Vec3| if two_sided && axis.dot(to) < 0.0 { -axis } else { axis };
+    let (mut total, mut sent, mut moment) = (0.0, 0.0, Vec3::ZERO);
+    for item in items {
+        let sends = item.intensity * item.mean;
+        (total, sent) = (total + item.intensity, sent + sends);
+        if item.cos_normals > -1.0 {
+            moment += side(item.axis, moment) * sends;
+        }
+    }
+    // A cosine is ¼ on average over all directions, and ½ without its sign.
+    let mean_cosine = if two_sided { 0.5 } else { 0.25 };
+    let directed = (moment.length() / total / mean_cosine).min(1.0);
+    let even = (sent / total - directed * mean_cosine).max(LEAST_EVEN);
+    let group = Group { even: share * even, directed: share * directed, ..group };
+
+    let Some(axis) = moment.try_normalize() else {
+        return Group { cos_normals: -1.0, directed: 0.0, ..group };
     };
-    let sum = items.iter().fold(Vec3::ZERO, |sum, item| sum + side(item.axis, sum));
-    let Some(axis) = sum.try_normalize() else { return Group { cos_normals: -1.0, ..group } };
     let cos_normals = items.iter().fold(1.0_f32, |cos, item| {
         let to_axis = side(item.axis, axis).dot(axis);
         cos.min(cos_of_sum(to_axis, item.cos_normals))
@@ -204,6 +222,10 @@ fn group_of(items: &[Item], intensity: f64) -> Group {
     // What the dot products are rounded by.
     Group { axis, cos_normals: (cos_normals - 1e-6).max(-1.0), ..group }
 }
+
+/// Of a group that shines one way only, what it may send elsewhere all the same: its emitters may
+/// be turned a little.
+const LEAST_EVEN: f32 = 1e-3;
 
 /// The cosine of the sum of two angles of these cosines; −1 where that is more than π.
 fn cos_of_sum(a: f32, b: f32) -> f32 {

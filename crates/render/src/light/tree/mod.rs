@@ -22,8 +22,9 @@ mod node;
 use super::emitter::Emitter;
 use super::shading_point::ShadingPoint;
 use build::{Built, Item};
+use fearless_simd::{Fallback, Level, Simd};
 use node::{Child, Node, Seer};
-use rutilant_geom::DVec3;
+use rutilant_geom::{DVec3, with_vectors};
 
 /// One of so many choices takes any emitter.
 const ANY: f64 = 64.0;
@@ -77,65 +78,84 @@ impl LightTree {
     /// The number of an emitter that may light `point`, and the probability of this choice; `None`
     /// where a look at the point shows that none does. `u` in [0, 1) is stretched at each step
     /// down, so it needs more digits than single precision has.
-    #[inline(never)]
-    pub(super) fn select(&self, point: &ShadingPoint, u: f64) -> Option<(usize, f32)> {
+    pub(super) fn select(
+        &self,
+        level: Level,
+        point: &ShadingPoint,
+        u: f64,
+    ) -> Option<(usize, f32)> {
         let seer = self.seer(point);
-        let mut u = u * ANY;
+        let u = u * ANY;
         if u < 1.0 {
             let count = self.numbers.len();
             let number = self.numbers[((u * count as f64) as usize).min(count - 1)] as usize;
-            return Some((number, self.pmf_of(&seer, number)));
+            return Some((number, self.pmf_seen(level, &seer, number)));
         }
-        u = (u - 1.0) / (ANY - 1.0);
+        let u = (u - 1.0) / (ANY - 1.0);
+        let (number, pmf) = with_vectors!(level, simd => self.descend(simd, &seer, u),
+            else self.descend(Fallback::new(), &seer, u))?;
+        Some((number, self.mixed(pmf)))
+    }
+
+    /// The choice of the tree alone.
+    #[inline(always)]
+    fn descend<S: Simd>(&self, simd: S, seer: &Seer, mut u: f64) -> Option<(usize, f32)> {
         let (mut node, mut pmf) = (0, 1.0);
         loop {
-            let shares = self.nodes[node].shares(&seer);
+            let shares = self.nodes[node].shares(simd, seer);
             let mut left = u * f64::from(shares.total);
-            let (mut chosen, mut within) = (None, 0.0);
+            let (mut chosen, mut before) = (None, 0.0);
             for (i, &share) in shares.each.iter().enumerate() {
                 if share > 0.0 {
-                    let share = f64::from(share);
-                    (chosen, within) = (Some(i), left / share);
-                    if left < share {
+                    (chosen, before) = (Some(i), left);
+                    if left < f64::from(share) {
                         break;
                     }
-                    left -= share;
+                    left -= f64::from(share);
                 }
             }
             // Where no group shines here there is nothing to choose.
             let chosen = chosen?;
-            pmf *= shares.each[chosen] / shares.total;
+            let share = shares.each[chosen];
+            pmf *= share / shares.total;
             match self.nodes[node].child(chosen) {
                 Child::Node(next) => node = next as usize,
-                Child::Emitter(number) => return Some((number as usize, self.mixed(pmf))),
+                Child::Emitter(number) => return Some((number as usize, pmf)),
                 Child::None => return None,
             }
-            u = within.clamp(0.0, 1.0 - 0.5 * f64::EPSILON);
+            u = (before / f64::from(share)).clamp(0.0, 1.0 - 0.5 * f64::EPSILON);
         }
     }
 
     /// The probability of choosing `emitter` for `point`; 0 for those that are not in the tree.
-    pub(super) fn pmf(&self, point: &ShadingPoint, emitter: usize) -> f32 {
-        self.pmf_of(&self.seer(point), emitter)
+    pub(super) fn pmf(&self, level: Level, point: &ShadingPoint, emitter: usize) -> f32 {
+        self.pmf_seen(level, &self.seer(point), emitter)
     }
 
-    #[inline(never)]
-    fn pmf_of(&self, seer: &Seer, emitter: usize) -> f32 {
-        let mut way = self.ways[emitter];
+    fn pmf_seen(&self, level: Level, seer: &Seer, emitter: usize) -> f32 {
+        let way = self.ways[emitter];
         if way == Self::NOWHERE {
             return 0.0;
         }
+        self.mixed(with_vectors!(level, simd => self.follow(simd, seer, way),
+            else self.follow(Fallback::new(), seer, way)))
+    }
+
+    /// The probability with which the tree alone goes this way.
+    #[inline(always)]
+    fn follow<S: Simd>(&self, simd: S, seer: &Seer, mut way: u64) -> f32 {
         let (mut node, mut pmf) = (0, 1.0);
         loop {
-            let (shares, chosen) = (self.nodes[node].shares(seer), (way & 7) as usize);
-            if shares.each[chosen] == 0.0 {
-                return self.mixed(0.0);
+            let (shares, chosen) = (self.nodes[node].shares(simd, seer), (way & 7) as usize);
+            let share = shares.each[chosen];
+            if share == 0.0 {
+                return 0.0;
             }
-            pmf *= shares.each[chosen] / shares.total;
+            pmf *= share / shares.total;
             match self.nodes[node].child(chosen) {
                 Child::Node(next) => node = next as usize,
-                Child::Emitter(_) => return self.mixed(pmf),
-                Child::None => return self.mixed(0.0),
+                Child::Emitter(_) => return pmf,
+                Child::None => return 0.0,
             }
             way >>= 3;
         }
