@@ -42,6 +42,7 @@ pub fn ways(spp: u64) -> Vec<Way> {
             Settings { roulette: Roulette::Off, max_depth: Some(LONGEST), ..base.clone() },
         ),
         ("lights uniformly", Settings { light_selection: LightSelection::Uniform, ..base.clone() }),
+        ("lights by a tree", Settings { light_selection: LightSelection::Tree, ..base.clone() }),
         ("sobol", Settings { sampler: SamplerKind::Sobol, ..base.clone() }),
         ("both, optimal", Settings { heuristic: Heuristic::Optimal, ..base.clone() }),
         ("no light paths", Settings { caustics: false, ..base }),

@@ -35,6 +35,7 @@ pub fn all() -> Vec<Named> {
         named("many lamps", many_lamps()),
         named("ten lamps", small_lamps(10)),
         named("ten thousand lamps", small_lamps(10_000)),
+        named("lamps all around", lamps_all_around()),
         named("balls in balls", balls_in_balls()),
         named("sky and lamps", sky_and_lamps()),
         named("coloured water", coloured_water()),
@@ -244,6 +245,52 @@ fn small_lamps(count: u32) -> Scene {
         let lamp = lamps[(4 * i as usize + i as usize / 10) % lamps.len()];
         let size = rectangle(0.7 * width, 0.7 * depth);
         put(&mut s, size, lamp, at(x, 0.0, z) * ceiling_at(2.0));
+    }
+    s
+}
+
+/// Forty lamps of every shape that can be met, turned every way, some of them two-sided and some
+/// much brighter than others, around frosted glass, a half mirror and a box, under a sky map.
+fn lamps_all_around() -> Scene {
+    let mut s = looking([0.0, 1.3, 3.6], [0.0, 0.6, 0.0]);
+    let pixels: Vec<[f32; 3]> = (0..8_u8).map(|i| [0.2, 0.1 * f32::from(i), 0.4]).collect();
+    let sky = Image::from_rgb(4, 2, &pixels).expect("as many pixels as the size says");
+    let sky = s.add_image(sky);
+    s.environment = Some(Environment::image(sky));
+    let white = matte(&mut s, 0.7, 0.7, 0.7);
+    let red = matte(&mut s, 0.7, 0.3, 0.2);
+    let mirror = s.add_material(Mirror { reflectance: Rgb::grey(0.9) });
+    let half = s.add_material(Mix { first: red, second: mirror, amount: 0.4 });
+    let frosted = s.add_material(Dielectric { roughness: 0.6, ..Dielectric::new(1.5) });
+    put(&mut s, rectangle(7.0, 7.0), white, floor_at(0.0));
+    put(&mut s, ball(0.45), frosted, at(-0.9, 0.5, 0.3));
+    put(&mut s, ball(0.45), half, at(0.9, 0.5, 0.3));
+    put(&mut s, Shape::Box { size: Vec3::new(0.5, 1.0, 0.5) }, red, at(0.0, 0.5, -0.6));
+    let tetrahedron = s.add_mesh(Mesh {
+        positions: [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]
+            .map(|corner| 0.15 * Vec3::from(corner))
+            .to_vec(),
+        triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        ..Mesh::default()
+    });
+    for i in 0..40_u16 {
+        let (number, turn) = (f32::from(i), 2.4 * f32::from(i));
+        let brightness = if i % 7 == 0 { 9.0 } else { 0.8 + f32::from(i % 5) };
+        let tint = Rgb::new(brightness, 0.8 * brightness, 0.1 * f32::from(i % 10));
+        let lamp = Emission { two_sided: i % 3 == 0, ..Emission::radiance(tint) };
+        let lamp = s.add_material(lamp);
+        let shape = match i % 4 {
+            0 => rectangle(0.4, 0.3),
+            1 => ball(0.15),
+            2 => Shape::Disk { radius: 0.2 },
+            _ => Shape::Mesh(tetrahedron),
+        };
+        // Along a spiral that climbs to above the middle.
+        let radius = 2.3 - 0.02 * number;
+        let (x, z) = (radius * libm::cosf(turn), radius * libm::sinf(turn));
+        let place =
+            at(x, 0.25 + 0.05 * number, z) * Transform::rotate(Vec3::new(1.0, 0.3, z), turn);
+        put(&mut s, shape, lamp, place);
     }
     s
 }

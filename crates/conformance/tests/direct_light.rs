@@ -97,7 +97,9 @@ fn mean(image: &Image) -> (f64, f64) {
 fn assert_all_ways(name: &str, scene: &Scene, expected: f64) {
     let scene = Arc::new(Prepared::new(scene).unwrap());
     for strategy in [Strategy::Both, Strategy::LightOnly, Strategy::BsdfOnly] {
-        for light_selection in [LightSelection::Uniform, LightSelection::Power] {
+        for light_selection in
+            [LightSelection::Uniform, LightSelection::Power, LightSelection::Tree]
+        {
             let settings = Settings {
                 size: [16; 2],
                 spp: 1024,
@@ -146,7 +148,7 @@ fn all_light_of_the_2017_lamp_arrives() {
 }
 
 /// One lamp, ten or ten thousand, of different brightness: choosing one of them loses nothing,
-/// whether all are chosen equally often or by power. A selection probability that is missing,
+/// whether all are chosen equally often, by power or by a tree. A selection probability that is missing,
 /// or not that of the choice made, shows here.
 #[test]
 fn choosing_one_of_many_lamps_loses_no_light() {

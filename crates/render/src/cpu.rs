@@ -67,6 +67,7 @@ impl Rendering<'_> {
         let max_depth = settings.max_depth.unwrap_or(u32::MAX);
         let (kind, emitters) = (settings.light_selection, self.scene.emitters());
         let radius = self.scene.radius();
+        let tree = || Some((self.scene.light_tree()?, self.scene.surfaces().level()));
         let camera = self.scene.focused_camera(settings.size);
         let filter = FilterSampler::new(&settings.filter);
         let eye = Eye { camera: &camera, filter: &filter };
@@ -75,10 +76,10 @@ impl Rendering<'_> {
                 let path = Path {
                     selection: match settings.strategy {
                         Strategy::Both => {
-                            EmitterSelection::beside_scattering(kind, emitters, radius)
+                            EmitterSelection::beside_scattering(kind, emitters, radius, tree)
                         }
                         Strategy::BsdfOnly | Strategy::LightOnly => {
-                            EmitterSelection::new(kind, emitters, radius)
+                            EmitterSelection::with_tree(kind, emitters, radius, tree)
                         }
                     },
                     strategy: settings.strategy,
@@ -99,7 +100,7 @@ impl Rendering<'_> {
             IntegratorKind::Naive => self.run_with(next_pass, &Naive { max_depth }, eye),
             IntegratorKind::Direct => self.run_with(
                 next_pass,
-                &Direct { selection: EmitterSelection::new(kind, emitters, radius) },
+                &Direct { selection: EmitterSelection::with_tree(kind, emitters, radius, tree) },
                 eye,
             ),
             IntegratorKind::AmbientOcclusion => {

@@ -1,6 +1,7 @@
 //! Where a ray met a surface.
 
 use crate::bsdf::{Bsdf, BsdfSample};
+use crate::light::ShadingPoint;
 use rutilant_geom::{Frame, Ray, Vec3, offset_origin};
 
 /// A surface point as the integrators see it.
@@ -123,6 +124,17 @@ impl SurfaceInteraction {
     /// The origin of a ray that starts on the true surface, on the side of `wo` or beyond it.
     pub fn surface_origin(&self, beyond: bool) -> Vec3 {
         offset_origin(self.position, self.normal, if beyond { -self.wo } else { self.wo })
+    }
+
+    /// What lights shine on here: the side of `wo`. On a clear surface light may arrive on either
+    /// side: it is seen from the surface itself.
+    pub(crate) fn shading_point(&self, bsdf: &Bsdf) -> ShadingPoint {
+        if bsdf.is_translucent() || bsdf.is_delta() {
+            return ShadingPoint::open(self.position);
+        }
+        let normal = self.shading.z;
+        let normal = if self.wo_local().z > 0.0 { normal } else { -normal };
+        ShadingPoint { position: self.reflected_origin(), normal }
     }
 
     /// The ray that leaves along a direction that `bsdf` sampled. `crossed` tells whether it goes

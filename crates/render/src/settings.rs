@@ -55,7 +55,7 @@ impl Default for Settings {
             strategy: Strategy::Both,
             heuristic: Heuristic::Power,
             roulette: Roulette::Throughput,
-            light_selection: LightSelection::Power,
+            light_selection: LightSelection::Auto,
             caustics: true,
         }
     }
@@ -127,10 +127,15 @@ pub enum Roulette {
 /// How one light is chosen from many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LightSelection {
+    /// By a tree where there are more than a handful within the scene, else by power.
+    Auto,
     /// Every light equally often, as in the 2017 report.
     Uniform,
     /// In proportion to the emitted power.
     Power,
+    /// By what each may bring to the point that is lit: its power, its distance, and which way it
+    /// and the surface face.
+    Tree,
 }
 
 impl Settings {

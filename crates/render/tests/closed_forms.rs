@@ -42,7 +42,8 @@ fn all_ways(spp: u64) -> Vec<Settings> {
         }
         ways.push(Settings { integrator: IntegratorKind::Naive, ..base.clone() });
         ways.push(Settings { roulette: Roulette::Albedo, ..base.clone() });
-        ways.push(Settings { light_selection: LightSelection::Uniform, ..base });
+        ways.push(Settings { light_selection: LightSelection::Uniform, ..base.clone() });
+        ways.push(Settings { light_selection: LightSelection::Tree, ..base });
     }
     ways
 }

@@ -113,7 +113,7 @@ fn assert_together_as_alone(scene: &Scene) {
     for roulette in [Roulette::Off, Roulette::Albedo] {
         cases.push(Settings { roulette, max_depth: Some(9), ..usual.clone() });
     }
-    for light_selection in [LightSelection::Uniform, LightSelection::Power] {
+    for light_selection in [LightSelection::Uniform, LightSelection::Power, LightSelection::Tree] {
         cases.push(Settings {
             light_selection,
             sampler: SamplerKind::Independent,

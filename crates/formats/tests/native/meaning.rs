@@ -225,7 +225,16 @@ fn settings_have_names() {
     assert_eq!(get("heuristic = \"optimal\"").heuristic, Heuristic::Optimal);
     assert_eq!(get("roulette = \"albedo\"").roulette, Roulette::Albedo);
     assert_eq!(get("roulette = \"off\"").roulette, Roulette::Off);
-    assert_eq!(get("light_selection = \"uniform\"").light_selection, LightSelection::Uniform);
+    for (name, selection) in [
+        ("auto", LightSelection::Auto),
+        ("tree", LightSelection::Tree),
+        ("power", LightSelection::Power),
+        ("uniform", LightSelection::Uniform),
+    ] {
+        let line = format!("light_selection = \"{name}\"");
+        assert_eq!(get(&line).light_selection, selection);
+    }
+    assert_eq!(get("").light_selection, LightSelection::Auto);
     assert_eq!(get("seed = 0xffff_ffff_ffff_ffff").seed, u64::MAX);
     assert_eq!(
         get("size = [64, 32]\ncrop = [1, 2, 3, 4]").crop,

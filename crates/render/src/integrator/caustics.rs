@@ -22,7 +22,7 @@ use crate::color::Spectrum;
 use crate::film::{FilterSampler, Splat, Splats};
 use crate::follow::transmittance;
 use crate::interaction::SurfaceInteraction;
-use crate::light::{EmitterSample, Glow};
+use crate::light::{EmitterSample, Glow, ShadingPoint};
 use crate::medium::Media;
 use crate::prepare::{Aim, Casting, Outlook, Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
@@ -146,7 +146,7 @@ impl<'a> Caustics<'a> {
             let pdf = light.pdf(point, -direction, point, direction);
             return sky_pmf * pdf * casters.pdf_from_sky(-direction, point);
         };
-        let pmf = (1.0 - sky_pmf) * lamps.pmf(from.position, emitter);
+        let pmf = (1.0 - sky_pmf) * lamps.pmf(&ShadingPoint::open(from.position), emitter);
         if pmf == 0.0 {
             return 0.0;
         }
@@ -238,7 +238,7 @@ impl<'a> Caustics<'a> {
             // What is left is as good as new.
             u = (u - pmf) / (1.0 - pmf);
         }
-        let (lamp, _) = self.casting.lamps.select(Vec3::ZERO, u)?;
+        let (lamp, _) = self.casting.lamps.select(&ShadingPoint::open(Vec3::ZERO), u, 0.0)?;
         let emitter = &self.scene.emitters()[lamp];
         let Glow { radiance, two_sided } = *emitter.glow()?;
         let point = emitter.point(place)?;

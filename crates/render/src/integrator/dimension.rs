@@ -1,7 +1,7 @@
 //! The decisions along a path, each with random numbers of its own.
 
 use crate::bsdf::{Bsdf, BsdfSample};
-use crate::light::EmitterSelection;
+use crate::light::{EmitterSelection, ShadingPoint};
 use crate::sampler::Sampler;
 use rutilant_geom::{Vec2, Vec3};
 
@@ -58,6 +58,11 @@ impl Bounce {
         self.0.wrapping_add(2)
     }
 
+    /// More digits of which light: far from all other decisions, which are few to a bounce.
+    pub(crate) fn light_finely(self) -> u32 {
+        self.0.wrapping_add(2 + (5 << 28))
+    }
+
     /// Where on that light.
     pub(crate) fn light_point(self) -> u32 {
         self.0.wrapping_add(3)
@@ -81,15 +86,16 @@ impl Bounce {
         bsdf.sample(wo, choice, u)
     }
 
-    /// Chooses a light for the point `from`: its number, and the probability of this choice.
+    /// Chooses a light for `point`: its number, and the probability of this choice.
     #[inline]
     pub(crate) fn select<S: Sampler>(
         self,
         selection: &EmitterSelection,
-        from: Vec3,
+        point: &ShadingPoint,
         sampler: &S,
     ) -> Option<(usize, f32)> {
         let u = if selection.chooses() { sampler.d1(self.light()) } else { 0.0 };
-        selection.select(from, u)
+        let fine = if selection.looks() { sampler.d1(self.light_finely()) } else { 0.0 };
+        selection.select(point, u, fine)
     }
 }

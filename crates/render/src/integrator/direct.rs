@@ -43,8 +43,9 @@ impl Integrator for Direct {
 
         // Rough lobes: one light, anywhere on it, and for clear surfaces on either side.
         let translucent = bsdf.is_translucent();
-        let from = if translucent { at.position } else { at.reflected_origin() };
-        if let Some((emitter, pmf)) = bounce.select(&self.selection, from, sampler)
+        let point = at.shading_point(bsdf);
+        let from = point.position;
+        if let Some((emitter, pmf)) = bounce.select(&self.selection, &point, sampler)
             && !bsdf.is_delta()
             && let Some(light) =
                 scene.emitters()[emitter].sample(from, sampler.d2(bounce.light_point()))
@@ -76,7 +77,7 @@ impl Integrator for Direct {
                 emitted(seen.filter(|seen| {
                     sample.delta
                         || beyond_passed
-                        || seen.light_pdf(scene, &self.selection, from, direction) == 0.0
+                        || seen.light_pdf(scene, &self.selection, &point, from, direction) == 0.0
                 }))
             };
             let mut made = None;

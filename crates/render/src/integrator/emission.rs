@@ -3,7 +3,7 @@
 use super::caustics::Caustics;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
-use crate::light::EmitterSelection;
+use crate::light::{EmitterSelection, ShadingPoint};
 use crate::prepare::Prepared;
 use rutilant_geom::{Ray, Vec3};
 
@@ -50,15 +50,17 @@ impl SeenEmission {
         caustics.share(lead, self.emitter, self.position, self.normal, ray)
     }
 
-    /// The density, in 1/sr, with which light sampling at `from` would have chosen `wi`.
+    /// The density, in 1/sr, with which light sampling would have chosen `wi` from `from`, where a
+    /// light was chosen for `point`.
     pub(super) fn light_pdf(
         &self,
         scene: &Prepared,
         selection: &EmitterSelection,
+        point: &ShadingPoint,
         from: Vec3,
         wi: Vec3,
     ) -> f32 {
-        selection.pmf(from, self.emitter)
+        selection.pmf(point, self.emitter)
             * scene.emitters()[self.emitter].pdf(from, wi, self.position, self.normal)
     }
 }

@@ -102,11 +102,12 @@ mod tests {
         const SAMPLES: u64 = 2000;
         let scene = Prepared::new(&scene()).expect("a sound scene");
         let camera = scene.focused_camera([SIZE; 2]);
-        for (selection, roulette) in [
+        for (kind, roulette) in [
             (LightSelection::Power, Roulette::Throughput),
             (LightSelection::Uniform, Roulette::Albedo),
+            (LightSelection::Tree, Roulette::Throughput),
         ] {
-            let selection = EmitterSelection::new(selection, scene.emitters(), scene.radius());
+            let selection = EmitterSelection::new(kind, scene.emitters(), scene.radius());
             let (strategy, heuristic) = (Strategy::Both, Heuristic::Optimal);
             let max_depth = u32::MAX;
             let path = Path { selection, strategy, heuristic, roulette, max_depth, caustics: None };
@@ -124,14 +125,14 @@ mod tests {
                     squares += f64::from(control * control);
                 }
                 let z = if squares > 0.0 { sum / squares.sqrt() } else { 0.0 };
-                assert!(z.abs() < 4.0, "{roulette:?}, row {y}: {z} standard errors");
+                assert!(z.abs() < 4.0, "{kind:?}, row {y}: {z} standard errors");
                 whole += sum;
                 whole_squared += squares;
             }
             let z = whole / whole_squared.sqrt();
-            println!("{roulette:?}: {z} of {whole_squared}");
+            println!("{kind:?}: {z} of {whole_squared}");
             assert!(whole_squared > 1000.0, "{whole_squared}");
-            assert!(z.abs() < 3.3, "{roulette:?}: {z} standard errors");
+            assert!(z.abs() < 3.3, "{kind:?}: {z} standard errors");
         }
     }
 }

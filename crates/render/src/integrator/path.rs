@@ -19,7 +19,7 @@ use super::packet::Starts;
 use crate::color::Spectrum;
 use crate::follow::{follow, transmittance};
 use crate::interaction::SurfaceInteraction;
-use crate::light::EmitterSelection;
+use crate::light::{EmitterSelection, ShadingPoint};
 use crate::prepare::{Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
 use crate::settings::{Heuristic, Roulette, Strategy};
@@ -39,8 +39,10 @@ pub(crate) struct Path<'a> {
 
 /// The surface that a path last left, where light sampling could have found what is met next.
 pub(super) struct Previous {
-    /// Where.
+    /// Where the ray started.
     pub(super) position: Vec3,
+    /// For what a light was chosen there.
+    pub(super) point: ShadingPoint,
     /// The density of the direction taken, in 1/sr.
     pub(super) pdf: f32,
 }
@@ -137,11 +139,14 @@ impl Path<'_> {
 
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);
+            let point = at.shading_point(&material.bsdf);
             if !material.bsdf.is_delta() {
                 let beyond = met.absorption_beyond(&media);
                 let sides = [media.absorption, beyond];
                 radiance += throughput
-                    * self.direct_light(scene, at, material, sides, sampler, bounce, rays, control);
+                    * self.direct_light(
+                        scene, at, &point, material, sides, sampler, bounce, rays, control,
+                    );
             }
 
             // Continue in a direction drawn from the BSDF.
@@ -149,8 +154,11 @@ impl Path<'_> {
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
             ray = at.scattered_ray(&material.bsdf, &sample, crossed);
-            previous =
-                (!sample.delta).then_some(Previous { position: ray.origin, pdf: sample.pdf });
+            previous = (!sample.delta).then_some(Previous {
+                position: ray.origin,
+                point,
+                pdf: sample.pdf,
+            });
             lead = match &self.caustics {
                 Some(caustics) if depth == 1 && !sample.delta => {
                     caustics.lead(at, met.hit.t, ray.direction, sample.pdf)
@@ -196,7 +204,7 @@ impl Path<'_> {
             },
             Some(p) => {
                 let light_pdf =
-                    || seen.light_pdf(scene, &self.selection, p.position, ray.direction);
+                    || seen.light_pdf(scene, &self.selection, &p.point, p.position, ray.direction);
                 match self.strategy {
                     Strategy::BsdfOnly => 1.0,
                     // What no light sample finds counts in full.
@@ -213,7 +221,7 @@ impl Path<'_> {
         seen.radiance * share
     }
 
-    /// Light from one light that is chosen for `at`, times the share that light sampling has in
+    /// Light from one light that is chosen for `point`, as `at` is seen by lights, times the share that light sampling has in
     /// finding it, scattered towards `wo`. `sides` are the absorptions on the side of `wo` and
     /// beyond the surface.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
@@ -221,6 +229,7 @@ impl Path<'_> {
         &self,
         scene: &Prepared,
         at: &SurfaceInteraction,
+        point: &ShadingPoint,
         material: &PreparedMaterial,
         sides: [Spectrum; 2],
         sampler: &S,
@@ -229,10 +238,8 @@ impl Path<'_> {
         control: &mut C,
     ) -> Spectrum {
         control.surface();
-        // Light may arrive on either side of a clear surface: seen from the surface itself.
-        let translucent = material.bsdf.is_translucent();
-        let from = if translucent { at.position } else { at.reflected_origin() };
-        let Some((emitter, pmf)) = bounce.select(&self.selection, from, sampler) else {
+        let (translucent, from) = (material.bsdf.is_translucent(), point.position);
+        let Some((emitter, pmf)) = bounce.select(&self.selection, point, sampler) else {
             return Spectrum::BLACK;
         };
         let light_point = sampler.d2(bounce.light_point());

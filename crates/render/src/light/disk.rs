@@ -1,5 +1,6 @@
 //! A glowing disk or ellipse, sampled uniformly over its area.
 
+use super::bounds::EmitterBounds;
 use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
@@ -31,6 +32,16 @@ impl DiskEmitter {
 
     pub(super) fn area(&self) -> f32 {
         self.area
+    }
+
+    pub(super) fn bounds(&self) -> EmitterBounds {
+        let Disk { center, u, v } = self.disk;
+        let (center, u, v) = (center.as_dvec3(), u.as_dvec3(), v.as_dvec3());
+        // How far an ellipse extends along an axis.
+        let reach = (u * u + v * v).map(f64::sqrt);
+        let intensity = self.glow.intensity(f64::from(self.area));
+        EmitterBounds::flat(center - reach, center + reach, self.normal, intensity)
+            .from_both(self.glow.two_sided)
     }
 
     pub(super) fn point(&self, u: Vec2) -> LampPoint {

@@ -1,5 +1,6 @@
 //! Everything that light is sampled from, as one type.
 
+use super::bounds::EmitterBounds;
 use super::disk::DiskEmitter;
 use super::distant::DistantEmitter;
 use super::environment::EnvironmentEmitter;
@@ -135,6 +136,21 @@ impl Emitter {
             Self::Environment(e) => e.power(scene_radius),
             Self::Custom(_) => Spectrum::BLACK,
         }
+    }
+
+    /// Where it is and which way it shines; `None` for lights at infinity and custom shapes, and
+    /// where it gives no light.
+    pub(super) fn bounds(&self) -> Option<EmitterBounds> {
+        let bounds = match self {
+            Self::Point(e) => e.bounds(),
+            Self::Spot(e) => e.bounds(),
+            Self::Triangle(e) => e.flat().bounds(),
+            Self::Parallelogram(e) => e.flat().bounds(),
+            Self::Disk(e) => e.bounds(),
+            Self::Sphere(e) => e.bounds(),
+            Self::Distant(_) | Self::Environment(_) | Self::Custom(_) => return None,
+        };
+        bounds.is_sound().then_some(bounds)
     }
 
     /// True for lights that shine on everything from infinitely far away.

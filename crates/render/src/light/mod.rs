@@ -3,6 +3,7 @@
 //! [`Light`] and [`Environment`] are what authors write; an [`Emitter`] is what is sampled. There
 //! is one for each light, for each glowing shape or triangle, and for the environment.
 
+mod bounds;
 mod disk;
 mod distant;
 mod emitter;
@@ -11,9 +12,11 @@ mod point;
 mod projection;
 mod sample;
 mod selection;
+mod shading_point;
 mod sky_map;
 mod sphere;
 mod spot;
+mod tree;
 mod triangle;
 
 pub use disk::DiskEmitter;
@@ -24,9 +27,11 @@ pub use point::PointEmitter;
 pub use projection::Projection;
 pub(crate) use sample::LampPoint;
 pub use sample::{EmitterSample, Glow};
-pub use selection::EmitterSelection;
+pub use selection::{EmitterSelection, TreeSelection};
+pub use shading_point::ShadingPoint;
 pub use sphere::SphereEmitter;
 pub use spot::SpotEmitter;
+pub(crate) use tree::LightTree;
 pub(crate) use triangle::FlatEmitter;
 pub use triangle::{ParallelogramEmitter, TriangleEmitter};
 

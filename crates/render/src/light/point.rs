@@ -1,5 +1,6 @@
 //! A light in one point.
 
+use super::bounds::EmitterBounds;
 use super::sample::EmitterSample;
 use crate::color::Spectrum;
 use rutilant_geom::Vec3;
@@ -20,6 +21,11 @@ impl PointEmitter {
         let wi = way.try_normalize()?;
         let radiance = self.intensity / way.length_squared();
         Some(EmitterSample { wi, radiance, pdf: 1.0, delta: true, end: Some(self.position) })
+    }
+
+    pub(super) fn bounds(&self) -> EmitterBounds {
+        let at = self.position.as_dvec3();
+        EmitterBounds::round(at, at, f64::from(self.intensity.luminance()))
     }
 
     pub(super) fn power(&self) -> Spectrum {

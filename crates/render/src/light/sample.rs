@@ -59,6 +59,11 @@ impl Glow {
         self.radiance * (std::f32::consts::PI * area * sides)
     }
 
+    /// The luminance in W/sr that a flat piece of `area` m² sends where it sends most.
+    pub(super) fn intensity(&self, area: f64) -> f64 {
+        f64::from(self.radiance.luminance()) * area
+    }
+
     /// The sample that stands for `point` on the surface, drawn with density `1 / area`, seen
     /// from `from`. `None` where no light arrives.
     pub(super) fn sample_at(

@@ -7,6 +7,7 @@
 //! Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 //! section 6.2.4.
 
+use super::bounds::EmitterBounds;
 use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::math::warp;
@@ -25,6 +26,13 @@ pub struct SphereEmitter {
 impl SphereEmitter {
     pub(super) fn area(&self) -> f32 {
         4.0 * PI * self.sphere.radius * self.sphere.radius
+    }
+
+    pub(super) fn bounds(&self) -> EmitterBounds {
+        let (center, radius) = (self.sphere.center.as_dvec3(), f64::from(self.sphere.radius));
+        // From everywhere it looks like a disk.
+        let intensity = self.glow.intensity(f64::from(PI) * radius * radius);
+        EmitterBounds::round(center - radius, center + radius, intensity)
     }
 
     pub(super) fn point(&self, u: Vec2) -> LampPoint {

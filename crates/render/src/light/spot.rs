@@ -7,6 +7,7 @@
 //! Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*, 4th ed.,
 //! section 12.2.1; the cones are those of Khronos, *KHR_lights_punctual*, 2018.
 
+use super::bounds::EmitterBounds;
 use super::sample::EmitterSample;
 use crate::color::Spectrum;
 use rutilant_geom::{Vec3, real};
@@ -50,6 +51,20 @@ impl SpotEmitter {
             delta: true,
             end: Some(self.position),
         })
+    }
+
+    /// Around each direction of its inner cone it shines as far as the outer one reaches, or a
+    /// right angle if that is less; then the cone around which it does is wider.
+    pub(super) fn bounds(&self) -> EmitterBounds {
+        let (at, intensity) = (self.position.as_dvec3(), f64::from(self.intensity.luminance()));
+        let [(cos_inner, sin_inner), (cos_outer, sin_outer)] =
+            [self.inner, self.outer].map(|x| (1.0 - x, (x * (2.0 - x)).max(0.0).sqrt()));
+        let cos_between = cos_outer * cos_inner + sin_outer * sin_inner;
+        let (cos_normals, cos_shines) =
+            if cos_between >= 0.0 { (cos_inner, cos_between) } else { (sin_outer, 0.0) };
+        let round = EmitterBounds::round(at, at, intensity);
+        let mean = 0.25 * (self.inner + self.outer);
+        EmitterBounds { axis: self.axis, cos_normals, cos_shines, mean, ..round }
     }
 
     pub(super) fn power(&self) -> Spectrum {

@@ -4,6 +4,7 @@
 //! Points are combined in double precision and rounded once, so that they lie
 //! as close to the surface as a hit does.
 
+use super::bounds::EmitterBounds;
 use super::sample::{EmitterSample, Glow, LampPoint, area_to_solid_angle};
 use crate::color::Spectrum;
 use crate::lanes::mask;
@@ -138,6 +139,14 @@ impl FlatEmitter {
 
     pub(super) fn area(&self) -> f32 {
         self.area
+    }
+
+    pub(super) fn bounds(&self) -> EmitterBounds {
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
+        let fourth = if self.is_triangle { a } else { b + c - a };
+        let (low, high) = (a.min(b).min(c).min(fourth), a.max(b).max(c).max(fourth));
+        let intensity = self.glow.intensity(f64::from(self.area));
+        EmitterBounds::flat(low, high, self.normal, intensity).from_both(self.glow.two_sided)
     }
 
     pub(super) fn point(&self, u: Vec2) -> LampPoint {

@@ -146,6 +146,7 @@ impl Assembly {
                 || self.emitters.iter().any(Emitter::is_custom),
             ranked_media: ranked_media.into(),
             emitters: self.emitters.into(),
+            light_tree: Arc::default(),
             environment,
             eye: Eye::default(),
             camera_media: Media::NONE,

@@ -7,7 +7,7 @@ use super::varying::Varying;
 use crate::camera::Camera;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
-use crate::light::{Emitter, EnvironmentEmitter};
+use crate::light::{Emitter, EnvironmentEmitter, LightTree};
 use crate::material::Opacity;
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
@@ -41,6 +41,8 @@ pub struct Prepared {
     /// Those with a priority, the strongest first.
     pub(super) ranked_media: Arc<[PreparedMedium]>,
     pub(super) emitters: Arc<[Emitter]>,
+    /// The tree of those within the scene, once it is asked for.
+    pub(super) light_tree: Arc<OnceLock<Option<Arc<LightTree>>>>,
     /// The emitter that is the sky.
     pub(super) environment: Option<u32>,
     /// How much of it a pixel shows, once the film is known.
@@ -436,6 +438,11 @@ impl Prepared {
     /// Everything that shines.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// The tree of all emitters within the scene, which is built when it is first asked for.
+    pub(crate) fn light_tree(&self) -> Option<Arc<LightTree>> {
+        self.light_tree.get_or_init(|| LightTree::new(&self.emitters).map(Arc::new)).clone()
     }
 
     /// The sky's number among the emitters, and the sky.

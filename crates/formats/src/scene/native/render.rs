@@ -30,8 +30,12 @@ const HEURISTICS: &[(&str, Heuristic)] = &[
 ];
 const ROULETTES: &[(&str, Roulette)] =
     &[("throughput", Roulette::Throughput), ("albedo", Roulette::Albedo), ("off", Roulette::Off)];
-const LIGHT_SELECTIONS: &[(&str, LightSelection)] =
-    &[("power", LightSelection::Power), ("uniform", LightSelection::Uniform)];
+const LIGHT_SELECTIONS: &[(&str, LightSelection)] = &[
+    ("auto", LightSelection::Auto),
+    ("tree", LightSelection::Tree),
+    ("power", LightSelection::Power),
+    ("uniform", LightSelection::Uniform),
+];
 const CURVES: &[(&str, Curve)] = &[
     ("clip", Curve::Clip),
     ("filmic", Curve::Filmic),

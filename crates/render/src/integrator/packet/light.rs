@@ -6,7 +6,7 @@ use crate::color::Spectrum;
 use crate::integrator::Path;
 use crate::integrator::dimension::Bounce;
 use crate::lanes::{bits, mask, put, transmittances};
-use crate::light::{EmitterSelection, FlatEmitter};
+use crate::light::{EmitterSelection, FlatEmitter, ShadingPoint};
 use crate::medium::Media;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
@@ -39,7 +39,7 @@ impl Path<'_> {
         &self,
         simd: S,
         scene: &Prepared,
-        paths: &PathPacket<N>,
+        paths: &mut PathPacket<N>,
         met: &MetPacket<'_>,
         surface: &Surface<S>,
         alive: u32,
@@ -55,7 +55,7 @@ impl Path<'_> {
         let reflected = offset_origins(surface.smooth, surface.normal, surface.wo);
         let from = surface.position.or(translucent, reflected);
         let wanted = alive & met.spread;
-        let ways = self.ways(simd, scene, &paths.samplers, from, wanted, bounce);
+        let ways = self.ways(simd, scene, paths, met, surface, from, wanted, bounce);
         if ways.some == 0 {
             return;
         }
@@ -137,11 +137,14 @@ impl Path<'_> {
 
     /// Chooses a light for each of the points `from`, and a point on it.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     fn ways<S: Simd, N: Sampler>(
         &self,
         simd: S,
         scene: &Prepared,
-        samplers: &[N; LANES],
+        paths: &mut PathPacket<N>,
+        met: &MetPacket<'_>,
+        surface: &Surface<S>,
         from: Xyz8<S>,
         wanted: u32,
         bounce: Bounce,
@@ -149,9 +152,20 @@ impl Path<'_> {
         let mut chosen = [(0, 1.0); LANES];
         let mut some = wanted;
         if self.selection.chooses() {
-            let u = N::d1_of(simd, samplers, bounce.light());
+            let u = N::d1_of(simd, &paths.samplers, bounce.light());
+            let looks = self.selection.looks();
+            let fine = if looks {
+                N::d1_of(simd, &paths.samplers, bounce.light_finely())
+            } else {
+                f32x8::splat(simd, 0.0)
+            };
             for lane in each_lane(wanted) {
-                match self.selection.select(from.lane(lane), u[lane]) {
+                let mut point = ShadingPoint::open(from.lane(lane));
+                if looks {
+                    point.normal = met.lit_normal(lane, surface);
+                    paths.light(lane, &point);
+                }
+                match self.selection.select(&point, u[lane], fine[lane]) {
                     Some(choice) => chosen[lane] = choice,
                     None => some &= !(1 << lane),
                 }
@@ -159,7 +173,7 @@ impl Path<'_> {
         } else if matches!(self.selection, EmitterSelection::None) {
             some = 0;
         }
-        let [ux, uy] = N::d2_of(simd, samplers, bounce.light_point());
+        let [ux, uy] = N::d2_of(simd, &paths.samplers, bounce.light_point());
 
         // Points on glowing triangles and parallelograms far away; all other lights one by one.
         let mut lights = [&FlatEmitter::NONE; LANES];

@@ -197,6 +197,17 @@ impl<'p> MetPacket<'p> {
         }
     }
 
+    /// The normal of [`SurfaceInteraction::shading_point`].
+    #[inline(always)]
+    pub(super) fn lit_normal<S: Simd>(&self, lane: usize, surface: &Surface<S>) -> Vec3 {
+        let normal = at(&self.shading_normal, lane);
+        match self.translucent >> lane & 1 {
+            1 => Vec3::ZERO,
+            _ if surface.wo_local.z[lane] > 0.0 => normal,
+            _ => -normal,
+        }
+    }
+
     /// The surfaces that rays do not meet again: they start on this side of them and go there.
     #[inline(always)]
     pub(super) fn left<S: Simd>(

@@ -2,6 +2,7 @@
 
 use crate::color::Spectrum;
 use crate::integrator::path::Previous;
+use crate::light::ShadingPoint;
 use crate::medium::Media;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
@@ -24,6 +25,10 @@ pub(super) struct PathPacket<N> {
     pub(super) throughput: [[f32; LANES]; 3],
     /// The density of the direction taken, in 1/sr, or [`UNFINDABLE`](Self::UNFINDABLE).
     pub(super) pdf: [f32; LANES],
+    /// For what a light was chosen where the path last was, as in [`ShadingPoint`]: (coordinate,
+    /// path). Kept only where the choice depends on it.
+    pub(super) lit_position: [[f32; LANES]; 3],
+    pub(super) lit_normal: [[f32; LANES]; 3],
     /// Radiance is larger inside a dense medium by this factor; it will be lost on leaving.
     pub(super) density_gain: [f32; LANES],
     /// As in `Caustics::lead`, times what made light paths denser since; 0 where they do not look.
@@ -47,6 +52,8 @@ impl<N: Sampler> PathPacket<N> {
             rays: starts.rays,
             throughput: [[1.0; LANES]; 3],
             pdf: [Self::UNFINDABLE; LANES],
+            lit_position: [[0.0; LANES]; 3],
+            lit_normal: [[0.0; LANES]; 3],
             density_gain: [1.0; LANES],
             lead: [0.0; LANES],
             slot,
@@ -59,7 +66,18 @@ impl<N: Sampler> PathPacket<N> {
     pub(super) fn previous(&self, lane: usize) -> Option<Previous> {
         let pdf = self.pdf[lane];
         let position = at(&self.rays.origin, lane);
-        (pdf != Self::UNFINDABLE).then_some(Previous { position, pdf })
+        let (lit, normal) = (at(&self.lit_position, lane), at(&self.lit_normal, lane));
+        let point = ShadingPoint { position: lit, normal };
+        (pdf != Self::UNFINDABLE).then_some(Previous { position, point, pdf })
+    }
+
+    /// Notes for what lights are chosen.
+    #[inline(always)]
+    pub(super) fn light(&mut self, lane: usize, point: &ShadingPoint) {
+        for axis in 0..3 {
+            self.lit_position[axis][lane] = point.position[axis];
+            self.lit_normal[axis][lane] = point.normal[axis];
+        }
     }
 
     /// What light paths, per unit of their density at a lamp, are denser here.
@@ -73,6 +91,8 @@ impl<N: Sampler> PathPacket<N> {
             self.rays.origin[axis][lane] = other.rays.origin[axis][from];
             self.rays.direction[axis][lane] = other.rays.direction[axis][from];
             self.throughput[axis][lane] = other.throughput[axis][from];
+            self.lit_position[axis][lane] = other.lit_position[axis][from];
+            self.lit_normal[axis][lane] = other.lit_normal[axis][from];
         }
         self.rays.t_min[lane] = other.rays.t_min[from];
         self.rays.t_max[lane] = other.rays.t_max[from];
