@@ -150,7 +150,7 @@ impl Surfaces {
         let of = TreeOf { positions, triangles, others: &others, flat: false };
         let Tree { nodes, packs, mut singles, others, bounds, report } = of.build(options);
         for number in singles.iter_mut().filter(|number| **number >= first_instance) {
-            *number = *number - first_instance | INSTANCE;
+            *number = (*number - first_instance) | INSTANCE;
         }
         let own = size_of_val(&*nodes)
             + size_of_val(&*packs)
@@ -163,7 +163,8 @@ impl Surfaces {
             + size_of_val(&**customs)
             + size_of_val(&**instances);
         let bytes = own + meshes.iter().map(|mesh| mesh.report().bytes).sum::<usize>();
-        let report = BuildReport { bytes, ..report };
+        let mut report = BuildReport { bytes, ..report };
+        report.left_out.count += meshes.iter().map(|m| m.report().left_out.count).sum::<usize>();
         let level = Simd::Auto.level().unwrap_or_else(Level::new);
         Self { contents, nodes, packs, singles, others, bounds, report, level }
     }

@@ -91,15 +91,15 @@ impl Both {
         }
     }
 
-    /// A ray from around everything, or from close to one place, aimed at a vertex, an edge or the
-    /// inside of a triangle, or anywhere.
+    /// A ray from around everything, from close to one place or from very far away, aimed at a
+    /// vertex, an edge or the inside of a triangle, or anywhere.
     fn ray(&self, random: &mut Random) -> Ray {
         let mut ray = aimed_ray(&self.copies, random);
         if random.unit() < 0.5 {
             let target = ray.origin + ray.direction;
             let [a, b, _] = self.copies.triangle(random.below(self.copied.len()) as u32);
-            let near = (a - b).length() * random.size(-3, 2);
-            ray.origin = target + random.direction() * near;
+            let sizes = if random.below(4) == 0 { random.size(3, 10) } else { random.size(-3, 2) };
+            ray.origin = target + random.direction() * ((a - b).length() * sizes);
             ray.direction = target - ray.origin;
         }
         ray
@@ -220,7 +220,7 @@ fn at_every_level(scene: &Surfaces) -> Vec<Surfaces> {
 fn instances_are_met_as_copies_are() {
     for both in worlds() {
         let levels = at_every_level(&both.instances);
-        let met: usize = (0..12_000_u64)
+        let met: usize = (0..6_000_u64)
             .into_par_iter()
             .map(|i| {
                 let mut random = Random(i << 20);
@@ -236,7 +236,7 @@ fn instances_are_met_as_copies_are() {
             })
             .sum();
         // One world is so wide that most rays meet nothing.
-        assert!(met > 1_000, "{}: {met}", both.name);
+        assert!(met > 500, "{}: {met}", both.name);
     }
 }
 
@@ -245,7 +245,7 @@ fn instances_are_met_as_copies_are() {
 fn packets_meet_instances_as_single_rays_do() {
     for both in worlds() {
         for scene in at_every_level(&both.instances) {
-            (0..2_000_u64).into_par_iter().for_each(|i| {
+            (0..1_200_u64).into_par_iter().for_each(|i| {
                 let mut random = Random(i << 20);
                 let first = both.ray(&mut random);
                 let rays: [Ray; LANES] = std::array::from_fn(|_| {
@@ -281,7 +281,7 @@ fn closed_instances_have_no_cracks() {
         let (meshes, instances) = (vec![Arc::new(mesh)], vec![instance]);
         let contents = Contents { meshes, instances, ..Contents::default() };
         let scene = Surfaces::of(contents, &options);
-        let leaks = (0..100_000_u64)
+        let leaks = (0..50_000_u64)
             .into_par_iter()
             .filter(|&i| {
                 let mut random = Random(i << 20);
@@ -323,7 +323,7 @@ fn what_touches_is_told_of() {
             touching += usize::from(expected.len() > 1);
             assert_eq!(told(&both.instances, false), expected, "{}: {ray:?}", both.name);
         }
-        assert!(touching > 500, "{}: {touching}", both.name);
+        assert!(touching > 200, "{}: {touching}", both.name);
     }
 }
 
@@ -365,13 +365,10 @@ fn maps_that_lose_too_much_are_refused() {
     assert!(can(Mat3::from_diagonal(Vec3::new(1e-6, 1e6, -1.0)), Vec3::splat(1e6)));
     let flat = Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::X + Vec3::Y);
     assert!(!can(flat, Vec3::ZERO));
-    let nearly_flat = Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 1e-12));
-    let lost = Mat3::from_cols(
-        Vec3::new(1.0, 1.0, 1.0),
-        Vec3::new(1.0, 1.0 + 1e-6, 1.0),
-        Vec3::new(1.0, 1.0, 1.0 + 1e-6),
-    );
-    assert!(can(nearly_flat, Vec3::ZERO) != can(lost, Vec3::ZERO));
+    // Three directions that are nearly one: the determinant is what little is left of large numbers.
+    let near = 1.0 + f32::EPSILON;
+    let columns = [Vec3::new(near, 1.0, 1.0), Vec3::new(1.0, near, 1.0), Vec3::new(1.0, 1.0, near)];
+    assert!(!can(Mat3::from_cols_array_2d(&columns.map(|c| c.to_array())), Vec3::ZERO));
     assert!(!can(Mat3::IDENTITY, Vec3::X * 1e20));
     assert!(!can(Mat3::from_diagonal(Vec3::new(f32::NAN, 1.0, 1.0)), Vec3::ZERO));
     assert!(!can(Mat3::IDENTITY, Vec3::new(0.0, f32::INFINITY, 0.0)));
