@@ -169,8 +169,8 @@ impl Prepared {
         extents
     }
 
-    /// Tells the balls that hold all surfaces of each object that is no instance, by the object's number: corners of
-    /// triangles are balls without a radius.
+    /// Tells the balls that hold all surfaces of each object that is no instance, by the object's
+    /// number: corners of triangles are balls without a radius.
     fn each_piece(&self, mut piece: impl FnMut(usize, Vec3, f32)) {
         let mut objects = self.object_of_primitive.iter().map(|&object| object as usize);
         let mut tell = |object: Option<usize>, center: Vec3, radius: f32| {
