@@ -41,7 +41,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\ninstances = 3",
-        "12:13: instances must be a text in quotes, not the number 3",
+        "12:13: instances must be tables like [[shape.instances]], not the number 3",
     ),
     // Keys.
     ("[render]\nssp = 4", r#"9:1: no key "ssp"; did you mean "spp"?"#),

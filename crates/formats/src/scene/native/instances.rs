@@ -21,7 +21,7 @@ pub(super) fn places<'d>(
     let Some(value) = table.get("instances") else {
         return Ok(vec![(*table, Transform::IDENTITY)]);
     };
-    let places: Vec<(Table<'d>, Transform)> = if value.is_array() {
+    let places: Vec<(Table<'d>, Transform)> = if value.text().is_err() {
         let all = value.tables("[[shape.instances]]")?.into_iter();
         let read = |instance: Table<'d>| {
             instance.only(&[keys::INSTANCE])?;
