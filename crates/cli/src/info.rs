@@ -44,6 +44,11 @@ struct Info {
     objects: usize,
     meshes: usize,
     triangles: u64,
+    /// Triangles that are stored: those of a mesh that is stored once count once.
+    stored_triangles: u64,
+    /// Meshes that are stored once, and how often those stand in the scene.
+    shared_meshes: u64,
+    instances: u64,
     vertices: u64,
     /// The names of its cameras, the one that sees it first; those without a name are absent.
     cameras: Vec<String>,
@@ -99,6 +104,9 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         objects: scene.objects.len(),
         meshes: scene.meshes.len(),
         triangles: triangles(scene),
+        stored_triangles: report.stored_triangles,
+        shared_meshes: report.shared_meshes,
+        instances: report.instances,
         vertices: scene.meshes.iter().map(|m| m.positions.len() as u64).sum(),
         cameras: camera_names(&loaded),
         materials: tally(scene.materials.iter().map(|m| kind_of_material(&m.kind))),
@@ -162,6 +170,17 @@ fn describe(info: &Info, contents: &str) -> String {
             several(info.triangles, "triangle", "triangles"),
         ),
     );
+    if info.instances > 0 {
+        row(
+            "instances",
+            &format!(
+                "{} of {}; {} stored",
+                several(info.instances, "instance", "instances"),
+                several(info.shared_meshes, "mesh", "meshes"),
+                several(info.stored_triangles, "triangle", "triangles"),
+            ),
+        );
+    }
     if !info.cameras.is_empty() {
         row("cameras", &info.cameras.join(", "));
     }

@@ -6,14 +6,14 @@
 //! eight of them.
 
 use crate::bvh::{
-    BoxRay, Inside, Met, Order, PACK, SLACK, Visit, WideNode, limit_of, traverse, traverse_in_turn,
-    traverse_packet, way,
+    BoxRay, Inside, Met, Order, PACK, RoomyBoxRay, SLACK, Visit, WideNode, limit_of, traverse,
+    traverse_in_turn, traverse_packet, way,
 };
 use crate::custom::CustomHit;
 use crate::lanes::{LANES, each_lane};
 use crate::packet::{HitPacket, NearestPacket, RayPacket, RaysReady, TriangleRays};
-use crate::packs::{Pack, PackRay};
-use crate::surfaces::{Hit, Primitive, Surfaces, triangle_normal};
+use crate::packs::{Pack, PackRay, turned};
+use crate::surfaces::{Hit, INSTANCE, Primitive, Surfaces, triangle_normal};
 use crate::triangle::TriangleRay;
 use crate::with_vectors;
 use crate::{Ray, Sphere, Vec3, real};
@@ -48,15 +48,43 @@ struct Search {
 #[derive(Clone, Copy)]
 struct Nearest {
     t: f64,
+    turn: Turn,
     primitive: u32,
     uv: [f64; 2],
 }
 
+/// Which of several surfaces at the same place counts: the least. As if all instances were copies
+/// of their meshes, among the other triangles in the order of their making: after so many of
+/// those, then the number of the instance. The number of the primitive comes last.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Turn(u64);
+
+impl Turn {
+    /// Of a primitive that is none of an instance: after all instances that come before it.
+    #[inline(always)]
+    fn alone(primitive: u32) -> Self {
+        Self(u64::from(primitive) << 32 | u64::from(u32::MAX))
+    }
+
+    /// Of what is in the instance number `i`.
+    #[inline(always)]
+    fn within(i: u32, after: u32) -> Self {
+        Self(u64::from(after) << 32 | u64::from(i))
+    }
+
+    /// The number of the instance, if it is one.
+    #[inline(always)]
+    fn instance(self) -> Option<u32> {
+        let number = self.0 as u32;
+        (number != u32::MAX).then_some(number)
+    }
+}
+
 impl Nearest {
-    /// Takes the place of what is farther, and tells whether it did; of equal ones the smallest
-    /// number stays.
+    /// Takes the place of what is farther, and tells whether it did; of equal ones the first stays.
     fn keep(self, nearest: &mut Option<Self>) -> bool {
-        let keep = nearest.is_none_or(|n| (self.t, self.primitive) < (n.t, n.primitive));
+        let sooner = |n: &Self| (self.t, self.turn, self.primitive) < (n.t, n.turn, n.primitive);
+        let keep = nearest.as_ref().is_none_or(sooner);
         if keep {
             *nearest = Some(self);
         }
@@ -66,7 +94,8 @@ impl Nearest {
 
 impl Surfaces {
     /// The first surface that the ray meets, from either side: the hit with the
-    /// least `t` in double precision, of equal ones that with the smallest number.
+    /// least `t` in double precision, of equal ones that with the smallest number, where
+    /// instances count as if they were copies (see [`Instance::after`](crate::Instance)).
     ///
     /// A ray with a NaN, an infinite origin or direction, or none, meets nothing.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
@@ -180,7 +209,8 @@ impl Surfaces {
         search: &mut Search,
     ) {
         for number in self.singles_of(leaf) {
-            self.meet_single(ray, *number, &mut search.nearest, &mut search.custom);
+            let reach = f64::from(*limit) / f64::from(scale);
+            self.meet_single(ray, *number, reach, &mut search.nearest, &mut search.custom);
             if let Some(nearest) = search.nearest {
                 *limit = limit.min(limit_of(nearest.t, scale));
             }
@@ -206,8 +236,8 @@ impl Surfaces {
                 let [a, b, c] = pack.triangle(lane);
                 if let Some(hit) = exact.intersect(a, b, c) {
                     let primitive = pack.primitives[lane % PACK];
-                    let hit = Nearest { t: hit.t, primitive, uv: [hit.u, hit.v] };
-                    hit.keep(&mut search.nearest);
+                    let (turn, uv) = (Turn::alone(primitive), [hit.u, hit.v]);
+                    Nearest { t: hit.t, turn, primitive, uv }.keep(&mut search.nearest);
                 }
             }
         }
@@ -265,11 +295,7 @@ impl Surfaces {
                 return true;
             }
         }
-        self.singles_of(leaf).iter().any(|number| {
-            let mut nearest = None;
-            self.meet_single(ray, *number, &mut nearest, &mut None);
-            nearest.is_some()
-        })
+        self.singles_of(leaf).iter().any(|number| self.blocks_single(ray, *number))
     }
 
     /// Whether a ray meets some of the triangles of a pack.
@@ -515,8 +541,8 @@ impl Surfaces {
         let mut hits = nearest.finished();
         for (lane, search) in searches.iter().enumerate() {
             if let Some(other) = search.nearest {
-                let found = (nearest.t[lane], nearest.primitive[lane]);
-                if (other.t, other.primitive) < found {
+                let found = (nearest.t[lane], Turn::alone(nearest.primitive[lane]));
+                if (other.t, other.turn) < found {
                     hits.set(lane, self.finish(&packet.ray(lane), other, search.custom).as_ref());
                 }
             }
@@ -599,8 +625,13 @@ impl Surfaces {
 
     /// Where exactly, in double precision; rounded once at the end.
     fn finish(&self, ray: &Ray, nearest: Nearest, custom: Option<CustomHit>) -> Option<Hit> {
-        let Nearest { t, primitive, uv: [u, v] } = nearest;
-        let (position, normal, [u, v]) = match self.primitive(primitive) {
+        let Nearest { t, turn, primitive, uv: [u, v] } = nearest;
+        let instance = turn.instance();
+        let surface = match instance {
+            Some(instance) => Primitive::Triangle(self.triangle_of_instance(instance, primitive)),
+            None => self.primitive(primitive),
+        };
+        let (position, normal, [u, v]) = match surface {
             Primitive::Triangle(corners) => {
                 let [a, b, c] = corners.map(Vec3::as_dvec3);
                 let position = a + (b - a) * u + (c - a) * v;
@@ -617,7 +648,7 @@ impl Surfaces {
             }
         };
         let (position, normal) = (position.as_vec3(), normal.as_vec3());
-        Some(Hit { primitive, t: t as f32, u, v, position, normal })
+        Some(Hit { primitive, instance, t: t as f32, u, v, position, normal })
     }
 
     /// The primitives of a leaf that are met one by one.
@@ -629,16 +660,22 @@ impl Surfaces {
         }
     }
 
-    /// Meets one primitive of any kind, and keeps the hit if it is the nearest, with what a custom
-    /// shape `said`.
+    /// Meets one primitive of any kind, or what is in an instance, and keeps the hit if it is the
+    /// nearest, with what a custom shape `said`. What lies beyond `reach` need not be found.
     #[inline(never)]
     fn meet_single(
         &self,
         ray: &Ray,
         primitive: u32,
+        reach: f64,
         nearest: &mut Option<Nearest>,
         said: &mut Option<CustomHit>,
     ) {
+        if primitive & INSTANCE != 0 {
+            self.meet_instance(ray, primitive & !INSTANCE, reach, nearest);
+            return;
+        }
+        let turn = Turn::alone(primitive);
         let (t, uv) = match self.primitive(primitive) {
             Primitive::Triangle([a, b, c]) => {
                 let Some(hit) = TriangleRay::new(ray).intersect(a, b, c) else { return };
@@ -654,17 +691,121 @@ impl Surfaces {
             }
             Primitive::Custom(custom) => {
                 let Some(hit) = custom.intersect(ray) else { return };
-                if (Nearest { t: hit.t, primitive, uv: hit.uv }).keep(nearest) {
+                if (Nearest { t: hit.t, turn, primitive, uv: hit.uv }).keep(nearest) {
                     *said = Some(hit);
                 }
                 return;
             }
         };
-        Nearest { t, primitive, uv }.keep(nearest);
+        Nearest { t, turn, primitive, uv }.keep(nearest);
     }
 
-    /// Every surface that the ray meets at the same place as `hit`, in no order to rely on: its
-    /// number, and whether the ray comes from its front. The same place means: between `before`
+    /// Whether one primitive of any kind, or anything in an instance, is in the way.
+    #[inline(never)]
+    fn blocks_single(&self, ray: &Ray, primitive: u32) -> bool {
+        if primitive & INSTANCE != 0 {
+            return self.instance_blocks(ray, primitive & !INSTANCE);
+        }
+        let mut nearest = None;
+        self.meet_single(ray, primitive, f64::INFINITY, &mut nearest, &mut None);
+        nearest.is_some()
+    }
+
+    /// Meets the triangles of an instance, and keeps the nearest hit. What lies beyond `reach` need
+    /// not be found.
+    fn meet_instance(&self, ray: &Ray, i: u32, reach: f64, nearest: &mut Option<Nearest>) {
+        let turn = Turn::within(i, self.instances()[i as usize].after);
+        let exact = TriangleRay::new(ray);
+        let reach = nearest.map_or(reach, |nearest| reach.min(nearest.t));
+        self.each_in_instance(ray, i, Order::Nearest, reach, &mut |primitive, [a, b, c]| {
+            if let Some(hit) = exact.intersect(a, b, c) {
+                Nearest { t: hit.t, turn, primitive, uv: [hit.u, hit.v] }.keep(nearest);
+            }
+            nearest.map_or(f64::INFINITY, |nearest| nearest.t)
+        });
+    }
+
+    /// Whether a ray meets anything in an instance.
+    fn instance_blocks(&self, ray: &Ray, i: u32) -> bool {
+        let exact = TriangleRay::new(ray);
+        let mut blocked = false;
+        self.each_in_instance(ray, i, Order::Any, f64::INFINITY, &mut |_, [a, b, c]| {
+            blocked = exact.intersect(a, b, c).is_some();
+            if blocked { ENOUGH } else { f64::INFINITY }
+        });
+        blocked
+    }
+
+    /// Calls `look_at` for every triangle of an instance that the ray may meet before `reach`, with
+    /// its number and its corners in the world. It says how far the ray reaches from then on.
+    fn each_in_instance(
+        &self,
+        ray: &Ray,
+        i: u32,
+        order: Order,
+        reach: f64,
+        look_at: &mut impl FnMut(u32, [Vec3; 3]) -> f64,
+    ) {
+        with_vectors!(
+            self.level,
+            simd => self.each_in_instance_with(simd, ray, i, order, reach, look_at),
+            else self.each_in_instance_with(Fallback::new(), ray, i, order, reach, look_at)
+        );
+    }
+
+    #[inline(always)]
+    fn each_in_instance_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        i: u32,
+        order: Order,
+        reach: f64,
+        look_at: &mut impl FnMut(u32, [Vec3; 3]) -> f64,
+    ) {
+        let instance = &self.instances()[i as usize];
+        let mesh = self.mesh_of(instance);
+        let Some(entered) = instance.enter(mesh, ray, reach) else { return };
+        let (origin, direction) = (entered.origin, entered.direction);
+        let boxes = RoomyBoxRay::new(simd, origin, direction, entered.room);
+        let axes = turned(direction);
+        let along = Vec3::from_array(axes.map(|axis| direction[axis]));
+        let shear = Vec3::new(along.x / along.z, along.y / along.z, 1.0 / along.z);
+        let ends = [0.0, f32::INFINITY];
+        let packs = PackRay::turned(simd, axes, origin, shear, ends, HitPacket::NOTHING);
+        let longer = entered.longer_way();
+        let mut limit = entered.limit_of(reach.min(f64::from(ray.t_max)));
+        let root = (Inside::node(0), 0.0);
+        traverse(
+            &mesh.nodes,
+            &boxes,
+            order,
+            root,
+            &mut limit,
+            #[inline(always)]
+            |leaf, limit| {
+                let (first, count) = leaf.inside.as_leaf();
+                for pack in mesh.packs.get(first..first + count).unwrap_or_default() {
+                    let mut may = packs.meet(pack, leaf.way + longer, *limit).may.to_bitmask();
+                    while may != 0 {
+                        let lane = may.trailing_zeros() as usize % PACK;
+                        may &= may - 1;
+                        let corners = instance.placed(pack.triangle(lane));
+                        let reach = look_at(pack.primitives[lane], corners);
+                        if reach == ENOUGH {
+                            return true;
+                        }
+                        *limit = limit.min(entered.limit_of(reach));
+                    }
+                }
+                false
+            },
+        );
+    }
+
+    /// Every surface that the ray meets at the same place as `hit`, in no order to rely on: the
+    /// number of its instance, if it is of one, its own number, and whether the ray comes from its
+    /// front. The same place means: between `before`
     /// and `beyond`, points next to the hit on its two sides. `hit` itself is among them.
     ///
     /// Of surfaces that touch a ray meets just one, and the next ray starts beyond all of them:
@@ -674,7 +815,7 @@ impl Surfaces {
         ray: &Ray,
         hit: &Hit,
         [before, beyond]: [Vec3; 2],
-        mut met: impl FnMut(u32, bool),
+        mut met: impl FnMut(Option<u32>, u32, bool),
     ) {
         // Where on the ray that is: generous, for the sides below decide. Of rays nearly in the
         // surface no more is looked at than of those at a thousandth to it.
@@ -691,8 +832,12 @@ impl Surfaces {
         // How high the ends stand above the surface, and its normal.
         let ends = [before.as_dvec3(), beyond.as_dvec3()];
         let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
-        self.each_near(&near, &mut |primitive| {
-            let surface = match self.primitive(primitive) {
+        self.each_near(&near, &mut |instance, primitive| {
+            let surface = match instance {
+                Some(i) => Primitive::Triangle(self.triangle_of_instance(i, primitive)),
+                None => self.primitive(primitive),
+            };
+            let surface = match surface {
                 Primitive::Triangle(corners) => {
                     let [a, b, c] = corners;
                     let met = triangle_ray.intersect(a, b, c);
@@ -715,13 +860,27 @@ impl Surfaces {
             if let Some(([start, end], normal)) = surface
                 && start * end <= 0.0
             {
-                met(primitive, normal.dot(direction) < 0.0);
+                met(instance, primitive, normal.dot(direction) < 0.0);
             }
         });
     }
 
+    /// Calls `look_at` for one primitive, or for every one of an instance that the ray may meet.
+    #[inline(never)]
+    fn near_single(&self, ray: &Ray, number: u32, look_at: &mut dyn FnMut(Option<u32>, u32)) {
+        if number & INSTANCE == 0 {
+            look_at(None, number);
+            return;
+        }
+        let instance = number & !INSTANCE;
+        self.each_in_instance(ray, instance, Order::Any, f64::INFINITY, &mut |primitive, _| {
+            look_at(Some(instance), primitive);
+            f64::INFINITY
+        });
+    }
+
     /// Calls `look_at` for every primitive that the ray may meet.
-    fn each_near(&self, ray: &Ray, look_at: &mut dyn FnMut(u32)) {
+    fn each_near(&self, ray: &Ray, look_at: &mut dyn FnMut(Option<u32>, u32)) {
         with_vectors!(
             self.level,
             simd => self.each_near_with(simd, ray, look_at),
@@ -730,7 +889,12 @@ impl Surfaces {
     }
 
     #[inline(always)]
-    fn each_near_with<S: Simd>(&self, simd: S, ray: &Ray, look_at: &mut dyn FnMut(u32)) {
+    fn each_near_with<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        look_at: &mut dyn FnMut(Option<u32>, u32),
+    ) {
         let Some(boxes) = BoxRay::new(simd, ray) else { return };
         let packs = PackRay::new(simd, ray, boxes.scale);
         let mut limit = limit_of(f64::from(ray.t_max), boxes.scale);
@@ -746,16 +910,21 @@ impl Surfaces {
                 for pack in self.packs_of(leaf.inside).1 {
                     let mut may = packs.meet(pack, leaf.way, *limit).may.to_bitmask();
                     while may != 0 {
-                        look_at(pack.primitives[may.trailing_zeros() as usize % PACK]);
+                        look_at(None, pack.primitives[may.trailing_zeros() as usize % PACK]);
                         may &= may - 1;
                     }
                 }
-                self.singles_of(leaf).iter().for_each(|number| look_at(*number));
+                for number in self.singles_of(leaf) {
+                    self.near_single(ray, *number, look_at);
+                }
                 false
             },
         );
     }
 }
+
+/// Nothing else need be looked at.
+const ENOUGH: f64 = f64::NEG_INFINITY;
 
 /// The same direction with length one. Scaled first: squares of tiny areas would vanish.
 fn unit(n: DVec3) -> DVec3 {

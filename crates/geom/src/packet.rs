@@ -107,6 +107,8 @@ pub struct HitPacket {
     /// The number of the primitive; [`NOTHING`](Self::NOTHING) where there is none, and the other
     /// numbers mean nothing.
     pub primitive: [u32; LANES],
+    /// The number of the instance; [`NOTHING`](Self::NOTHING) where the primitive is of none.
+    pub instance: [u32; LANES],
     /// As in [`Hit`].
     pub t: [f32; LANES],
     /// As in [`Hit`].
@@ -126,6 +128,7 @@ impl HitPacket {
     /// No hits.
     pub const NONE: Self = Self {
         primitive: [Self::NOTHING; LANES],
+        instance: [Self::NOTHING; LANES],
         t: [0.0; LANES],
         u: [0.0; LANES],
         v: [0.0; LANES],
@@ -138,12 +141,20 @@ impl HitPacket {
     pub fn hit(&self, lane: usize) -> Option<Hit> {
         (self.primitive[lane] != Self::NOTHING).then(|| Hit {
             primitive: self.primitive[lane],
+            instance: self.instance(lane),
             t: self.t[lane],
             u: self.u[lane],
             v: self.v[lane],
             position: at(&self.position, lane),
             normal: at(&self.normal, lane),
         })
+    }
+
+    /// The number of the instance that one of the rays met, if it did.
+    #[inline]
+    pub fn instance(&self, lane: usize) -> Option<u32> {
+        let instance = self.instance[lane];
+        (instance != Self::NOTHING).then_some(instance)
     }
 
     /// Says what one of the rays met, or that it met nothing.
@@ -153,6 +164,7 @@ impl HitPacket {
             return;
         };
         self.primitive[lane] = hit.primitive;
+        self.instance[lane] = hit.instance.unwrap_or(Self::NOTHING);
         (self.t[lane], self.u[lane], self.v[lane]) = (hit.t, hit.u, hit.v);
         for axis in 0..3 {
             self.position[axis][lane] = hit.position[axis];
@@ -462,6 +474,7 @@ impl<S: Simd> NearestPacket<S> {
         let normal = each!(n, n => narrow(n / length));
         HitPacket {
             primitive: self.primitive.into(),
+            instance: [HitPacket::NOTHING; LANES],
             t: narrow(self.t).into(),
             u: narrow(u).into(),
             v: narrow(v).into(),

@@ -41,7 +41,7 @@ pub(crate) struct Pack {
 }
 
 /// Triangles with larger coordinates are met one by one: their products could overflow.
-const LARGEST: f32 = 1e17;
+pub(crate) const LARGEST: f32 = 1e17;
 
 /// True for a triangle that may be in a pack.
 pub(crate) fn fits(corners: [Vec3; 3]) -> bool {

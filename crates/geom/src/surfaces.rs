@@ -1,8 +1,10 @@
-//! All surfaces of one space under one tree: triangles, spheres, disks and custom shapes.
+//! All surfaces of one space under one tree: triangles, spheres, disks, custom shapes, and meshes
+//! that stand in several places.
 
 use crate::bvh::{Inside, PACK, WideNode, report, widened};
 use crate::custom::Custom;
 use crate::disk::Disk;
+use crate::instance::{Instance, SharedMesh};
 use crate::packs::{Pack, fits};
 use crate::simd::Simd;
 use crate::sphere::Sphere;
@@ -12,21 +14,20 @@ use fearless_simd::Level;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 
-/// Triangles, spheres, disks and custom shapes, ready to be met by rays.
+/// Triangles, spheres, disks, custom shapes and instances of meshes, ready to be met by rays.
 ///
 /// Primitives are numbered: the triangles first, then the spheres, then the
-/// disks, then the custom shapes, each in the order they were given.
+/// disks, then the custom shapes, each in the order they were given. The
+/// triangles of an instance have the numbers that they have in its mesh.
 #[derive(Clone, Debug)]
 pub struct Surfaces {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    spheres: Vec<Sphere>,
-    disks: Vec<Disk>,
-    customs: Vec<Custom>,
+    contents: Contents,
     pub(crate) nodes: Vec<WideNode>,
     pub(crate) packs: Vec<Pack>,
-    /// The numbers of the primitives that are met one by one, leaf after leaf.
+    /// The numbers of the primitives that are met one by one, leaf after leaf; those of instances
+    /// have the bit [`INSTANCE`].
     pub(crate) singles: Vec<u32>,
     /// The leaves they are in, as places among them.
     pub(crate) others: Vec<Range<usize>>,
@@ -36,11 +37,32 @@ pub struct Surfaces {
     pub(crate) level: Level,
 }
 
+/// What surfaces are made of.
+#[derive(Clone, Debug, Default)]
+pub struct Contents {
+    /// The vertices of the triangles.
+    pub positions: Vec<Vec3>,
+    /// Three places in `positions` each.
+    pub triangles: Vec<[u32; 3]>,
+    /// Spheres.
+    pub spheres: Vec<Sphere>,
+    /// Disks.
+    pub disks: Vec<Disk>,
+    /// Custom shapes.
+    pub customs: Vec<Custom>,
+    /// Meshes that are stored once.
+    pub meshes: Vec<Arc<SharedMesh>>,
+    /// Where those stand. Of each `after` is no smaller than that of the one before.
+    pub instances: Vec<Instance>,
+}
+
 /// Where a ray met a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// The number of the primitive.
+    /// The number of the primitive, within its mesh if it is one of an instance.
     pub primitive: u32,
+    /// The number of the instance, if it is one.
+    pub instance: Option<u32>,
     /// Distance along the ray, in lengths of its direction, rounded once. The
     /// unrounded one lies strictly between the ray's `t_min` and `t_max`; this
     /// one may equal either.
@@ -80,7 +102,8 @@ impl Surfaces {
         disks: Vec<Disk>,
         options: &BuildOptions,
     ) -> Self {
-        Self::with_custom(positions, triangles, spheres, disks, Vec::new(), options)
+        let contents = Contents { positions, triangles, spheres, disks, ..Contents::default() };
+        Self::of(contents, options)
     }
 
     /// The same with custom shapes; those without a finite box are left out as well.
@@ -96,123 +119,80 @@ impl Surfaces {
         customs: Vec<Custom>,
         options: &BuildOptions,
     ) -> Self {
-        // An empty box tells the builder to leave something out.
-        let triangle_bounds = |indices: &[u32; 3]| {
-            let corners = indices.map(|i| positions.get(i as usize).copied());
-            let [Some(a), Some(b), Some(c)] = corners else { return Aabb::EMPTY };
-            let finite = a.is_finite() && b.is_finite() && c.is_finite();
-            if finite && triangle_normal([a, b, c]) != DVec3::ZERO {
-                Aabb::around([a, b, c])
-            } else {
-                Aabb::EMPTY
-            }
-        };
+        let contents =
+            Contents { positions, triangles, spheres, disks, customs, ..Contents::default() };
+        Self::of(contents, options)
+    }
+
+    /// The same with meshes that are stored once. Instances of no mesh, or that
+    /// [`cannot be placed`](Instance::can_place), are left out as well.
+    ///
+    /// # Panics
+    ///
+    /// As for [`new`](Self::new), instances being primitives too; what is in them does not count.
+    pub fn of(contents: Contents, options: &BuildOptions) -> Self {
+        let Contents { positions, triangles, spheres, disks, customs, meshes, instances } =
+            &contents;
         let sphere_bounds = |s: &Sphere| if s.is_proper() { s.bounds() } else { Aabb::EMPTY };
         let disk_bounds = |d: &Disk| if d.is_proper() { d.bounds() } else { Aabb::EMPTY };
+        let instance_bounds = |i: &Instance| match meshes.get(i.mesh as usize) {
+            Some(mesh) if Instance::can_place(&i.world_from_mesh, &mesh.bounds()) => i.bounds(mesh),
+            _ => Aabb::EMPTY,
+        };
         let others = spheres.iter().map(sphere_bounds).chain(disks.iter().map(disk_bounds));
-        let others: Vec<Aabb> = others.chain(customs.iter().map(Custom::bounds)).collect();
-        let bounds = |i: usize| match triangles.get(i) {
-            Some(triangle) => triangle_bounds(triangle),
-            None => others[i - triangles.len()],
-        };
-        let bvh = Bvh::over(triangles.len() + others.len(), bounds, options);
-        // Triangles in packs where all of a leaf are, all else one by one.
-        let corners = |i: &u32| {
-            let indices = triangles.get(*i as usize)?;
-            Some(indices.map(|vertex| positions[vertex as usize]))
-        };
-        let all_fit = fits([bvh.bounds().min, bvh.bounds().max, Vec3::ZERO]);
-        let cost = |places: &Range<usize>| {
-            let only =
-                || bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
-            let most = if places.len() <= MOST_IN_LEAF && only() { MOST_IN_LEAF } else { 1 };
-            (places.len() <= most).then(|| places.len().div_ceil(PACK) as f32)
-        };
-        let mut planned = Vec::<(Places, u8)>::new();
-        let (mut singles, mut others) = (Vec::new(), Vec::new());
-        let nodes = widened(&bvh, cost, |places| {
-            let packs = places.len().div_ceil(PACK);
-            let fits = |i: &u32| match all_fit {
-                true => (*i as usize) < triangles.len(),
-                false => corners(i).is_some_and(fits),
-            };
-            if packs <= Inside::MOST_PACKS as usize && bvh.order()[places.clone()].iter().all(fits)
-            {
-                let before = planned.len() as u32;
-                let leaf = Places { first: places.start as u32, count: places.len() as u8 };
-                planned.extend((0..packs as u8).map(|i| (leaf, i)));
-                Inside::leaf(before, packs as u32)
-            } else {
-                let before = singles.len();
-                singles.extend(&bvh.order()[places]);
-                others.push(before..singles.len());
-                Inside::leaf(others.len() as u32 - 1, 0)
-            }
-        });
-        let report = report(&bvh, &nodes, |inside: Inside| match inside.as_leaf() {
-            (other, 0) => others[other].len(),
-            (first, _) => usize::from(planned[first].0.count),
-        });
-        let bounds = bvh.bounds();
-        let order = bvh.into_order();
-        let pack = |(leaf, i): &(Places, u8)| {
-            let first = leaf.first as usize;
-            let numbers = &order[first..first + usize::from(leaf.count)];
-            let numbered = |number: &u32| Some((*number, corners(number)?));
-            let all: ArrayVec<_, { PACK * Inside::MOST_PACKS as usize }> =
-                numbers.iter().filter_map(numbered).collect();
-            let bounds = Aabb::around(all.iter().flat_map(|(_, corners)| *corners));
-            Pack::new(&all[usize::from(*i) * PACK..], &bounds)
-        };
-        let packs: Vec<Pack> = planned.par_iter().map(pack).collect();
+        let mut others: Vec<Aabb> = others.chain(customs.iter().map(Custom::bounds)).collect();
+        let first_instance = (triangles.len() + others.len()) as u32;
+        others.par_extend(instances.par_iter().map(instance_bounds));
 
-        let bytes = size_of_val(&*nodes)
+        // A ray that comes to an instance has far more to do than at a triangle: none shares a leaf.
+        let alone = BuildOptions { max_leaf: 1, ..*options };
+        let options = if instances.is_empty() { options } else { &alone };
+        let of = TreeOf { positions, triangles, others: &others, flat: false };
+        let Tree { nodes, packs, mut singles, others, bounds, report } = of.build(options);
+        for number in singles.iter_mut().filter(|number| **number >= first_instance) {
+            *number = (*number - first_instance) | INSTANCE;
+        }
+        let own = size_of_val(&*nodes)
             + size_of_val(&*packs)
             + size_of_val(&*singles)
             + size_of_val(&*others)
-            + size_of_val(&*positions)
-            + size_of_val(&*triangles)
-            + size_of_val(&*spheres)
-            + size_of_val(&*disks)
-            + size_of_val(&*customs);
-        let report = BuildReport { bytes, ..report };
+            + size_of_val(&**positions)
+            + size_of_val(&**triangles)
+            + size_of_val(&**spheres)
+            + size_of_val(&**disks)
+            + size_of_val(&**customs)
+            + size_of_val(&**instances);
+        let bytes = own + meshes.iter().map(|mesh| mesh.report().bytes).sum::<usize>();
+        let mut report = BuildReport { bytes, ..report };
+        report.left_out.count += meshes.iter().map(|m| m.report().left_out.count).sum::<usize>();
         let level = Simd::Auto.level().unwrap_or_else(Level::new);
-        Self {
-            positions,
-            triangles,
-            spheres,
-            disks,
-            customs,
-            nodes,
-            packs,
-            singles,
-            others,
-            bounds,
-            report,
-            level,
-        }
+        Self { contents, nodes, packs, singles, others, bounds, report, level }
     }
 
     /// Whether these are the very surfaces that the tree was built over, bit by bit and in the same
     /// order, so that there is no need for another.
-    pub fn are_of(
-        &self,
-        positions: &[Vec3],
-        triangles: &[[u32; 3]],
-        spheres: &[Sphere],
-        disks: &[Disk],
-        customs: &[Custom],
-    ) -> bool {
+    pub fn are_of(&self, contents: &Contents) -> bool {
+        let (own, other) = (&self.contents, contents);
         let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
         let ball = |s: &Sphere| (bits(&s.center), s.radius.to_bits());
         let plate = |d: &Disk| [d.center, d.u, d.v].map(|v| bits(&v));
         let in_place = |(a, b): (&Custom, &Custom)| a.is_same(b);
-        self.triangles == triangles
-            && self.positions.iter().map(bits).eq(positions.iter().map(bits))
-            && self.spheres.iter().map(ball).eq(spheres.iter().map(ball))
-            && self.disks.iter().map(plate).eq(disks.iter().map(plate))
-            && self.customs.len() == customs.len()
-            && self.customs.iter().zip(customs).all(in_place)
+        let same_mesh = |(a, b): (&Arc<SharedMesh>, &Arc<SharedMesh>)| {
+            Arc::ptr_eq(a, b) || a.is_of(b.positions(), b.triangles())
+        };
+        own.triangles == other.triangles
+            && own.positions.iter().map(bits).eq(other.positions.iter().map(bits))
+            && own.spheres.iter().map(ball).eq(other.spheres.iter().map(ball))
+            && own.disks.iter().map(plate).eq(other.disks.iter().map(plate))
+            && own.customs.len() == other.customs.len()
+            && own.customs.iter().zip(&other.customs).all(in_place)
+            && own
+                .instances
+                .iter()
+                .map(Instance::bits)
+                .eq(other.instances.iter().map(Instance::bits))
+            && own.meshes.len() == other.meshes.len()
+            && own.meshes.iter().zip(&other.meshes).all(same_mesh)
     }
 
     /// The same, met with other instructions of the processor; what rays find has the same bits.
@@ -244,27 +224,67 @@ impl Surfaces {
 
     /// All vertices.
     pub fn positions(&self) -> &[Vec3] {
-        &self.positions
+        &self.contents.positions
     }
 
     /// All triangles as three places in [`positions`](Self::positions), also those left out.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        &self.contents.triangles
     }
 
     /// All spheres, also those left out.
     pub fn spheres(&self) -> &[Sphere] {
-        &self.spheres
+        &self.contents.spheres
     }
 
     /// All disks, also those left out.
     pub fn disks(&self) -> &[Disk] {
-        &self.disks
+        &self.contents.disks
     }
 
     /// All custom shapes, also those left out.
     pub fn customs(&self) -> &[Custom] {
-        &self.customs
+        &self.contents.customs
+    }
+
+    /// The meshes that are stored once.
+    pub fn meshes(&self) -> &[Arc<SharedMesh>] {
+        &self.contents.meshes
+    }
+
+    /// Where those stand, also those left out.
+    pub fn instances(&self) -> &[Instance] {
+        &self.contents.instances
+    }
+
+    /// The mesh that an instance places.
+    ///
+    /// # Panics
+    ///
+    /// If there is none.
+    #[inline(always)]
+    pub fn mesh_of(&self, instance: &Instance) -> &SharedMesh {
+        &self.contents.meshes[instance.mesh as usize]
+    }
+
+    /// The smallest box around all that the instance number `i` places in the world.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such instance, or no mesh for it.
+    pub fn bounds_of_instance(&self, i: u32) -> Aabb {
+        let instance = &self.instances()[i as usize];
+        instance.bounds(self.mesh_of(instance))
+    }
+
+    /// How far what the instance number `i` places in the world reaches from `center`.
+    ///
+    /// # Panics
+    ///
+    /// As for [`bounds_of_instance`](Self::bounds_of_instance).
+    pub fn reach_of_instance(&self, i: u32, center: Vec3) -> f32 {
+        let instance = &self.instances()[i as usize];
+        instance.reach(self.mesh_of(instance), center)
     }
 
     /// The vertices of the triangle number `i`.
@@ -273,27 +293,43 @@ impl Surfaces {
     ///
     /// If there is no such triangle, or it was left out for its indices.
     pub fn triangle(&self, i: u32) -> [Vec3; 3] {
-        self.triangles[i as usize].map(|vertex| self.positions[vertex as usize])
+        self.contents.triangles[i as usize].map(|vertex| self.contents.positions[vertex as usize])
     }
 
-    /// The primitive number `i`.
+    /// The vertices of the triangle number `i` of an instance, in the world and in the order in
+    /// which their weights count.
+    ///
+    /// # Panics
+    ///
+    /// As for [`triangle`](Self::triangle).
+    pub fn triangle_of_instance(&self, instance: u32, i: u32) -> [Vec3; 3] {
+        let instance = &self.instances()[instance as usize];
+        let mesh = self.mesh_of(instance);
+        let corners = mesh.triangles()[i as usize].map(|v| mesh.positions()[v as usize]);
+        instance.placed(corners)
+    }
+
+    /// The primitive number `i`, which is none of an instance.
     #[inline]
     pub(crate) fn primitive(&self, i: u32) -> Primitive<'_> {
-        let triangles = self.triangles.len();
-        if (i as usize) < triangles {
+        let Contents { triangles, spheres, disks, customs, .. } = &self.contents;
+        if (i as usize) < triangles.len() {
             return Primitive::Triangle(self.triangle(i));
         }
-        let i = i as usize - triangles;
-        if let Some(sphere) = self.spheres.get(i) {
+        let i = i as usize - triangles.len();
+        if let Some(sphere) = spheres.get(i) {
             return Primitive::Sphere(sphere);
         }
-        let i = i - self.spheres.len();
-        match self.disks.get(i) {
+        let i = i - spheres.len();
+        match disks.get(i) {
             Some(disk) => Primitive::Disk(disk),
-            None => Primitive::Custom(&self.customs[i - self.disks.len()]),
+            None => Primitive::Custom(&customs[i - disks.len()]),
         }
     }
 }
+
+/// Marks the number of an instance among those that are met one by one.
+pub(crate) const INSTANCE: u32 = 1 << 31;
 
 /// What one number stands for.
 pub(crate) enum Primitive<'a> {
@@ -301,6 +337,110 @@ pub(crate) enum Primitive<'a> {
     Sphere(&'a Sphere),
     Disk(&'a Disk),
     Custom(&'a Custom),
+}
+
+/// What a tree is built over.
+#[derive(Clone, Copy)]
+pub(crate) struct TreeOf<'a> {
+    pub(crate) positions: &'a [Vec3],
+    pub(crate) triangles: &'a [[u32; 3]],
+    /// The boxes of all that is no triangle; their numbers come after those of the triangles.
+    pub(crate) others: &'a [Aabb],
+    /// Whether triangles without area are in the tree as well. They are counted as left out.
+    pub(crate) flat: bool,
+}
+
+/// A tree for rays; the fields as in [`Surfaces`].
+pub(crate) struct Tree {
+    pub(crate) nodes: Vec<WideNode>,
+    pub(crate) packs: Vec<Pack>,
+    pub(crate) singles: Vec<u32>,
+    pub(crate) others: Vec<Range<usize>>,
+    pub(crate) bounds: Aabb,
+    /// But for `bytes`.
+    pub(crate) report: BuildReport,
+}
+
+impl TreeOf<'_> {
+    /// The corners of a triangle, unless there is none or one of them is nowhere.
+    fn corners(&self, i: u32) -> Option<[Vec3; 3]> {
+        let [a, b, c] = (*self.triangles.get(i as usize)?).map(|v| self.positions.get(v as usize));
+        Some([*a?, *b?, *c?])
+    }
+
+    pub(crate) fn build(&self, options: &BuildOptions) -> Tree {
+        let (triangles, others) = (self.triangles, self.others);
+        // An empty box tells the builder to leave something out.
+        let triangle_bounds = |i: usize| {
+            let Some([a, b, c]) = self.corners(i as u32) else { return Aabb::EMPTY };
+            let finite = a.is_finite() && b.is_finite() && c.is_finite();
+            if finite && (self.flat || triangle_normal([a, b, c]) != DVec3::ZERO) {
+                Aabb::around([a, b, c])
+            } else {
+                Aabb::EMPTY
+            }
+        };
+        let bounds = |i: usize| match i.checked_sub(triangles.len()) {
+            None => triangle_bounds(i),
+            Some(other) => others[other],
+        };
+        let bvh = Bvh::over(triangles.len() + others.len(), bounds, options);
+        // Triangles in packs where all of a leaf are, all else one by one.
+        let corners = |i: &u32| self.corners(*i);
+        let all_fit = fits([bvh.bounds().min, bvh.bounds().max, Vec3::ZERO]);
+        let cost = |places: &Range<usize>| {
+            let only =
+                || bvh.order()[places.clone()].iter().all(|i| (*i as usize) < triangles.len());
+            let most = if places.len() <= MOST_IN_LEAF && only() { MOST_IN_LEAF } else { 1 };
+            (places.len() <= most).then(|| places.len().div_ceil(PACK) as f32)
+        };
+        let mut planned = Vec::<(Places, u8)>::new();
+        let (mut singles, mut others) = (Vec::new(), Vec::new());
+        let nodes = widened(&bvh, cost, |places| {
+            let packs = places.len().div_ceil(PACK);
+            let fits = |i: &u32| match all_fit {
+                true => (*i as usize) < triangles.len(),
+                false => corners(i).is_some_and(fits),
+            };
+            if packs <= Inside::MOST_PACKS as usize && bvh.order()[places.clone()].iter().all(fits)
+            {
+                let before = planned.len() as u32;
+                let leaf = Places { first: places.start as u32, count: places.len() as u8 };
+                planned.extend((0..packs as u8).map(|i| (leaf, i)));
+                Inside::leaf(before, packs as u32)
+            } else {
+                let before = singles.len();
+                singles.extend(&bvh.order()[places]);
+                others.push(before..singles.len());
+                Inside::leaf(others.len() as u32 - 1, 0)
+            }
+        });
+        let mut report = report(&bvh, &nodes, |inside: Inside| match inside.as_leaf() {
+            (other, 0) => others[other].len(),
+            (first, _) => usize::from(planned[first].0.count),
+        });
+        if self.flat {
+            let is_flat =
+                |i: &u32| corners(i).is_some_and(|corners| triangle_normal(corners) == DVec3::ZERO);
+            let flat = bvh.order().par_iter().copied().filter(is_flat);
+            let (count, first) = (flat.clone().count(), flat.min());
+            report.left_out.count += count;
+            report.left_out.first = report.left_out.first.into_iter().chain(first).min();
+        }
+        let bounds = bvh.bounds();
+        let order = bvh.into_order();
+        let pack = |(leaf, i): &(Places, u8)| {
+            let first = leaf.first as usize;
+            let numbers = &order[first..first + usize::from(leaf.count)];
+            let numbered = |number: &u32| Some((*number, corners(number)?));
+            let all: ArrayVec<_, { PACK * Inside::MOST_PACKS as usize }> =
+                numbers.iter().filter_map(numbered).collect();
+            let bounds = Aabb::around(all.iter().flat_map(|(_, corners)| *corners));
+            Pack::new(&all[usize::from(*i) * PACK..], &bounds)
+        };
+        let packs: Vec<Pack> = planned.par_iter().map(pack).collect();
+        Tree { nodes, packs, singles, others, bounds, report }
+    }
 }
 
 /// Places in the order of the tree.

@@ -62,6 +62,7 @@ pub mod scene;
 pub mod session;
 pub mod settings;
 pub mod shape;
+mod sharing;
 pub mod texture;
 mod winding;
 

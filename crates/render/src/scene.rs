@@ -11,7 +11,9 @@ use crate::image::Image;
 use crate::light::{Environment, Light};
 use crate::material::Material;
 use crate::shape::{Mesh, Object, Shape};
+use crate::sharing;
 use crate::texture::{Bitmap, Texture};
+use rutilant_geom::BuildOptions;
 use std::sync::Arc;
 
 /// Everything that can be seen or gives light, and the eye that sees it.
@@ -109,12 +111,15 @@ impl Scene {
         for (i, light) in self.lights.iter().enumerate() {
             light.validate(i)?;
         }
-        self.check_size()
+        self.check_size(BuildOptions::default().copies)
     }
 
-    /// All vertices, triangles and shapes that will stand in the world are numbered by 32 bits.
-    fn check_size(&self) -> Result<(), SceneProblem> {
-        let (mut vertices, mut primitives) = (0_u64, 0_u64);
+    /// All vertices, triangles and shapes that will be stored are numbered by 32 bits, and so are
+    /// lights. What an instance of a mesh places is not stored; `copies` as in [`BuildOptions`].
+    pub(crate) fn check_size(&self, copies: u32) -> Result<(), SceneProblem> {
+        let (mut vertices, mut primitives, mut lights) = (0_u64, 0_u64, 0_u64);
+        let instances = sharing::instances(self, copies);
+        let mut stored = vec![false; self.meshes.len()];
         for (i, object) in self.objects.iter().enumerate() {
             let (v, p) = match &object.shape {
                 Shape::Mesh(id) => {
@@ -125,9 +130,21 @@ impl Scene {
                 Shape::Rectangle { .. } => (4, 2),
                 Shape::Sphere { .. } | Shape::Disk { .. } | Shape::Custom(_) => (0, 1),
             };
-            vertices += v;
-            primitives += p;
-            if vertices.max(primitives) > MAX_PRIMITIVES {
+            if self.materials[object.material.0 as usize].gives_light() {
+                lights += p;
+            }
+            let again = match object.shape {
+                Shape::Mesh(id) if instances[i] => {
+                    primitives += 1;
+                    std::mem::replace(&mut stored[id.0 as usize], true)
+                }
+                _ => false,
+            };
+            if !again {
+                vertices += v;
+                primitives += p;
+            }
+            if vertices.max(primitives).max(lights) > MAX_PRIMITIVES {
                 return Err(Place::Object(i).problem(
                     "type",
                     format!("this and what comes before it have more than {MAX_PRIMITIVES} vertices or triangles"),
@@ -138,7 +155,7 @@ impl Scene {
     }
 }
 
-/// The most vertices, and the most triangles and other shapes, that may stand in the world.
+/// The most vertices, the most triangles and other shapes, and the most lights that may be stored.
 const MAX_PRIMITIVES: u64 = 1 << 31;
 
 /// Scenes hold at most 2³² − 1 of each kind; the reader's limits stop far earlier.

@@ -13,6 +13,7 @@ use crate::material::MaterialKind;
 use crate::scene::Scene;
 use crate::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec3};
+use std::collections::HashMap;
 
 /// What an object encloses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +27,8 @@ pub(crate) struct Enclosure {
 /// For each object of a valid scene what it encloses, as far as light can go into it.
 pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     let mut enclosures = Vec::with_capacity(scene.objects.len());
+    // A mesh may stand in many places.
+    let mut known = HashMap::new();
     let same_place = |a: &Object, b: &Object| {
         a.world_from_object == b.world_from_object
             && glass_mesh(a, scene).is_some()
@@ -33,10 +36,10 @@ pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     };
     for group in scene.objects.chunk_by(same_place) {
         let meshes = group.iter().map(|object| glass_mesh(object, scene));
-        let origin = meshes.clone().flatten().find_map(|mesh| mesh.positions.first());
+        let origin = meshes.clone().flatten().find_map(|id| scene.meshes[id].positions.first());
         let origin = origin.copied().unwrap_or(Vec3::ZERO);
         let windings: Vec<Option<Winding>> =
-            meshes.map(|mesh| mesh.map(|mesh| Winding::of(mesh, origin))).collect();
+            meshes.map(|mesh| mesh.map(|id| winding(id, origin, scene, &mut known))).collect();
         let open = windings.iter().flatten().filter(|winding| !winding.is_closed());
         let together = open.fold(Winding::default(), Winding::and);
         enclosures.extend(group.iter().zip(&windings).map(|(object, winding)| match winding {
@@ -52,6 +55,17 @@ pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     enclosures
 }
 
+/// What the mesh of this number encloses, its positions as seen from `origin`; reckoned once.
+fn winding(
+    mesh: usize,
+    origin: Vec3,
+    scene: &Scene,
+    known: &mut HashMap<(usize, [u32; 3]), Winding>,
+) -> Winding {
+    let key = (mesh, origin.to_array().map(f32::to_bits));
+    *known.entry(key).or_insert_with(|| Winding::of(&scene.meshes[mesh], origin))
+}
+
 /// True for shapes that are no meshes and have an inside.
 fn is_closed_shape(shape: &Shape) -> bool {
     match shape {
@@ -60,11 +74,11 @@ fn is_closed_shape(shape: &Shape) -> bool {
     }
 }
 
-/// The mesh of an object that light can go into.
-fn glass_mesh<'s>(object: &Object, scene: &'s Scene) -> Option<&'s Mesh> {
+/// The number of the mesh of an object that light can go into.
+fn glass_mesh(object: &Object, scene: &Scene) -> Option<usize> {
     let material = &scene.materials[object.material.0 as usize];
     match (&object.shape, &material.kind) {
-        (Shape::Mesh(id), MaterialKind::Dielectric(_)) => Some(&scene.meshes[id.0 as usize]),
+        (Shape::Mesh(id), MaterialKind::Dielectric(_)) => Some(id.0 as usize),
         _ => None,
     }
 }

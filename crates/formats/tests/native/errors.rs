@@ -19,6 +19,30 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[render]\nspp = 00", "9:7: unexpected leading zero"),
     ("[render]\nsize = [1, 2", "9:13: unclosed array, expected `]`"),
     ("\0", "8:2: key with no value, expected `=`; the line holds bytes that are no text"),
+    // Instances.
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\n\
+         instances = { translate = [1, 0, 0] }",
+        "12:13: there can be several: write [[shape.instances]] with double brackets",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\n\
+         instances = [{ translate = [1, 0, 0] }, { move = [1, 0, 0] }]",
+        r#"12:43: no key "move" in [[shape.instances]]; known are matrix, rotate, rotate_degrees, scale, translate"#,
+    ),
+    (
+        "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"grey\"\n\
+         [[shape.instances]]\nscale = 2\n[[shape.instances]]\nscale = [1, 2, 1]",
+        "15:9: a sphere needs the same scale in all directions; use a mesh for an ellipsoid",
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\ninstances = \"none.txt\"",
+        r#"12:13: there is no file "none.txt" beside the scene"#,
+    ),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\ninstances = 3",
+        "12:13: instances must be tables like [[shape.instances]], not the number 3",
+    ),
     // Keys.
     ("[render]\nssp = 4", r#"9:1: no key "ssp"; did you mean "spp"?"#),
     (

@@ -246,3 +246,59 @@ fn embedded_images_are_found() {
     let error = error.expect_err("no file").to_string();
     assert_eq!(error, "built-in.toml:9:9: there is no file \"sky.hdr\" beside the scene");
 }
+
+/// A shape stands once for each instance, which moves it after its own keys; a file says the same
+/// as a list of tables, and is one of those that the scene is made of.
+#[test]
+fn instances_place_a_shape_again() {
+    let shape = "[[shape]]\ntype = \"mesh\"\nfile = \"mesh.ply\"\nmaterial = \"grey\"\nscale = 2\n";
+    let tables = "instances = [{}, { translate = [1, 2, 3], scale = 3 }, \
+                  { matrix = [[0, 0, 1, 4], [1, 0, 0, 5], [0, 1, 0, 6]] }]\n";
+    let ball = "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"grey\"\n\
+                [[shape.instances]]\ntranslate = [7, 0, 0]\n[[shape.instances]]\n";
+    let named = "instances = \"places.txt\"\n";
+    let folder = folder(&format!("{shape}{tables}{shape}{named}{ball}"));
+    let places = "# Three of them\n0 0 0\n\n3 0 0 1   0 3 0 2   0 0 3 3 # scaled\n\
+                  0 0 1 4 1 0 0 5 0 1e0 0 6\n";
+    fs::write(folder.path().join("places.txt"), places).expect("a file");
+    let LoadedScene { scene, files, lines, .. } = read(folder.path(), "scene.toml");
+
+    assert_eq!(scene.meshes.len(), 1);
+    let at = |object: usize, point: Vec3| scene.objects[object].world_from_object.point(point);
+    for first in [0, 3] {
+        assert_eq!(at(first, Vec3::ONE), Vec3::splat(2.0));
+        assert_eq!(at(first + 1, Vec3::X), Vec3::new(7.0, 2.0, 3.0));
+        assert_eq!(at(first + 2, Vec3::new(1.0, 2.0, 3.0)), Vec3::new(10.0, 7.0, 10.0));
+    }
+    assert_eq!((at(6, Vec3::ZERO), at(7, Vec3::ZERO)), (Vec3::X * 7.0, Vec3::ZERO));
+    assert!(files.iter().any(|file| file.ends_with("places.txt")), "{files:?}");
+    // Each entry of the list answers for itself.
+    let line = |object| lines[&rutilant::scene::Place::Object(object)];
+    assert_eq!((line(0), line(3), line(6), line(7)), (13, 14, 24, 26));
+}
+
+/// What is wrong in a file of instances is shown there.
+#[test]
+fn bad_instances_are_shown_where_they_stand() {
+    let shape = "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\n";
+    let folder = folder(&format!("{shape}instances = \"places.txt\"\n"));
+    for (text, expected) in [
+        (
+            "0 0 0\n1 2",
+            "2:1: an instance has 12 numbers, the upper three rows of its matrix, or 3, how far it is moved, but here are 2",
+        ),
+        ("0 0 0\n1 2 x", "2:5: \"x\" is no finite number"),
+        ("# none\n 0 inf 0", "2:4: \"inf\" is no finite number"),
+        ("1 0 0 0  0 1 0 0  0 0 0 0", "1:1: the matrix flattens the shape, or makes it too large"),
+    ] {
+        fs::write(folder.path().join("places.txt"), text).expect("a file");
+        assert_eq!(refused(folder.path(), "scene.toml"), format!("places.txt:{expected}"));
+    }
+    fs::write(folder.path().join("places.txt"), "").expect("a file");
+    let LoadedScene { scene, notes, .. } = read(folder.path(), "scene.toml");
+    assert!(scene.objects.is_empty());
+    assert!(
+        notes[0].ends_with("there are no instances of it, so nothing of it can be seen"),
+        "{notes:?}"
+    );
+}

@@ -44,6 +44,10 @@ pub struct BuildOptions {
     /// In how many rounds parts of the finished tree look for a better place; each takes about as
     /// long as the tree itself.
     pub rounds: u32,
+    /// How many triangles those who put a scene together may copy of meshes that stand in several
+    /// places, so that all are in one tree, where rays find them soonest. What is beyond is to be
+    /// stored once ([`SharedMesh`](crate::SharedMesh)). A triangle takes 90 bytes or so.
+    pub copies: u32,
 }
 
 impl Default for BuildOptions {
@@ -55,6 +59,7 @@ impl Default for BuildOptions {
             intersection_cost: 1.0,
             curve: false,
             rounds: 0,
+            copies: 1 << 20,
         }
     }
 }

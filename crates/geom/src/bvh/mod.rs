@@ -19,7 +19,7 @@ pub use build::{BuildOptions, Quality};
 pub use built::{BuildReport, LeftOut};
 pub use node::{Content, Node, Siblings};
 pub(crate) use traverse::{
-    BoxRay, BoxRays, Met, Order, SLACK, Visit, limit_of, traverse, traverse_in_turn,
+    BoxRay, BoxRays, Met, Order, RoomyBoxRay, SLACK, Visit, limit_of, traverse, traverse_in_turn,
     traverse_packet, way,
 };
-pub(crate) use wide::{Inside, PACK, WideNode, report, widened};
+pub(crate) use wide::{Inside, PACK, WIDTH, WideNode, report, widened};

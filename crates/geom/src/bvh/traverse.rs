@@ -44,9 +44,9 @@ impl Met {
 /// Calls `leaf` for every leaf that the ray may meet before `limit`, from this part of the tree on,
 /// which it enters at `enter`. `leaf` may lower the limit; it tells when it is enough.
 #[inline(always)]
-pub(crate) fn traverse<S: Simd>(
+pub(crate) fn traverse(
     nodes: &[WideNode],
-    boxes: &BoxRay<S>,
+    boxes: &impl Boxes,
     order: Order,
     (inside, enter): (Inside, f32),
     limit: &mut f32,
@@ -121,9 +121,9 @@ type Stack = ArrayVec<Waiting, { (WIDTH - 1) * (MAX_DEPTH + 1) }>;
 
 /// Goes on with the nearest child that the ray enters before `limit`, and puts off the others.
 #[inline(always)]
-fn go_into<S: Simd>(
+fn go_into(
     node: &WideNode,
-    boxes: &BoxRay<S>,
+    boxes: &impl Boxes,
     order: Order,
     limit: f32,
     stack: &mut Stack,
@@ -328,6 +328,12 @@ impl<S: Simd> BoxRays<S> {
     }
 }
 
+/// Tells which boxes of a node a ray meets.
+pub(crate) trait Boxes {
+    /// Which boxes the ray enters before `limit`, a bit for each; and where it enters them.
+    fn meet(&self, node: &WideNode, limit: f32) -> (u32, [f32; WIDTH]);
+}
+
 /// More than twice Ize's 2γ(3) = 7.2e-7.
 pub(crate) const SLACK: f32 = 1.0 + 1.0 / (1 << 19) as f32;
 
@@ -374,8 +380,9 @@ impl<S: Simd> BoxRay<S> {
             scale,
         }
     }
+}
 
-    /// Which boxes the ray enters before `limit`, a bit for each; and where it enters them.
+impl<S: Simd> Boxes for BoxRay<S> {
     #[inline(always)]
     fn meet(&self, node: &WideNode, limit: f32) -> (u32, [f32; WIDTH]) {
         let simd = self.simd;
@@ -392,6 +399,53 @@ impl<S: Simd> BoxRay<S> {
             exit = less(far, exit);
         }
         let met = enter.simd_le(less(exit * SLACK, f32x8::splat(simd, limit)));
+        (met.to_bitmask() as u32, enter.into())
+    }
+}
+
+/// What boxes ask of one ray that are larger than their nodes say, by some room on each side.
+pub(crate) struct RoomyBoxRay<S: Simd> {
+    simd: S,
+    /// The origin as the near sides see it, and as the far sides do.
+    origins: [[f32x8<S>; 2]; 3],
+    inverse: [f32x8<S>; 3],
+    near: [usize; 3],
+}
+
+impl<S: Simd> RoomyBoxRay<S> {
+    /// A ray that starts at `origin`; `direction` has a size near one.
+    #[inline(always)]
+    pub(crate) fn new(simd: S, origin: Vec3, direction: Vec3, room: Vec3) -> Self {
+        let inverse = 1.0 / direction;
+        let ahead = room.copysign(inverse);
+        let (near, far) = (origin + ahead, origin - ahead);
+        Self {
+            simd,
+            origins: [
+                [splat(simd, near.x), splat(simd, far.x)],
+                [splat(simd, near.y), splat(simd, far.y)],
+                [splat(simd, near.z), splat(simd, far.z)],
+            ],
+            inverse: [splat(simd, inverse.x), splat(simd, inverse.y), splat(simd, inverse.z)],
+            near: [first(inverse.x), first(inverse.y), first(inverse.z)],
+        }
+    }
+}
+
+impl<S: Simd> Boxes for RoomyBoxRay<S> {
+    #[inline(always)]
+    fn meet(&self, node: &WideNode, limit: f32) -> (u32, [f32; WIDTH]) {
+        let simd = self.simd;
+        let mut enter = splat(simd, 0.0);
+        let mut exit = splat(simd, f32::INFINITY);
+        for axis in 0..3 {
+            let side = self.near[axis] & 1;
+            let side_at = |side: usize| -> f32x8<S> { node.sides[axis][side].simd_into(simd) };
+            let [near, far] = self.origins[axis];
+            enter = greater((side_at(side) - near) * self.inverse[axis], enter);
+            exit = less((side_at(side ^ 1) - far) * self.inverse[axis], exit);
+        }
+        let met = enter.simd_le(less(exit * SLACK, splat(simd, limit)));
         (met.to_bitmask() as u32, enter.into())
     }
 }

@@ -90,6 +90,12 @@ impl WideNode {
         Aabb { min: corner(0), max: corner(1) }
     }
 
+    /// The boxes that are there, and what is in them.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (Aabb, Inside)> {
+        let all = (0..WIDTH).map(|lane| (self.bounds(lane), self.inside[lane]));
+        all.filter(|(bounds, _)| bounds.min.x <= bounds.max.x)
+    }
+
     pub(super) fn put(&mut self, lane: usize, bounds: &Aabb, inside: Inside) {
         let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
         for (axis, sides) in self.sides.iter_mut().enumerate() {

@@ -13,14 +13,23 @@ use crate::medium::{Border, Media};
 use crate::problem::{LIGHT, Note, Place};
 use crate::scene::Scene;
 use crate::shape::{Mesh, Object, Shape};
+use crate::sharing;
 use crate::winding::{Enclosure, enclosures};
-use rutilant_geom::{BuildOptions, Custom, Disk, Sphere, Surfaces, Transform, Vec2, Vec3};
+use rutilant_geom::{
+    BuildOptions, Contents, Custom, Disk, Instance, SharedMesh, Sphere, Surfaces, Transform, Vec2,
+    Vec3,
+};
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// A scene on its way to being prepared.
 #[derive(Default)]
 pub(super) struct Assembly {
+    /// How trees are built.
+    options: BuildOptions,
+    /// Meshes that are stored once already.
+    known: Vec<Arc<SharedMesh>>,
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     spheres: Vec<Sphere>,
@@ -28,6 +37,13 @@ pub(super) struct Assembly {
     customs: Vec<Custom>,
     /// The objects of the triangles, the spheres, the disks and the custom shapes, in their order.
     objects_of: [Vec<u32>; 4],
+    /// Which objects are instances.
+    are_instances: Vec<bool>,
+    meshes: Vec<Arc<SharedMesh>>,
+    /// What is stored of the meshes that are stored once, by the number of each in the scene.
+    stored: HashMap<u32, Stored>,
+    instances: Vec<Instance>,
+    objects_of_instances: Vec<u32>,
     objects: Vec<PreparedObject>,
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
@@ -39,6 +55,31 @@ pub(super) struct Assembly {
     notes: Vec<Note>,
 }
 
+/// A mesh that is stored once.
+#[derive(Clone, Copy)]
+struct Stored {
+    number: u32,
+    first_normal: Option<u32>,
+    painting: Painting,
+}
+
+/// What textures need of a mesh: where it stands in the common arrays.
+#[derive(Clone, Copy, Default)]
+struct Painting {
+    vertices: u32,
+    first_uv: Option<u32>,
+    uv_sets: u32,
+    first_color: Option<u32>,
+}
+
+impl Painting {
+    fn give(self, object: &mut PreparedObject) {
+        let Self { vertices, first_uv, uv_sets, first_color } = self;
+        (object.vertices, object.first_uv) = (vertices, first_uv);
+        (object.uv_sets, object.first_color) = (uv_sets, first_color);
+    }
+}
+
 impl Assembly {
     /// Puts everything together; takes over of the scene `before` its tree, and what follows from
     /// that alone, where it fits.
@@ -48,7 +89,10 @@ impl Assembly {
         options: &BuildOptions,
         before: Option<&Prepared>,
     ) -> Prepared {
+        self.options = *options;
+        self.known = before.map_or(Vec::new(), |before| before.surfaces.meshes().to_vec());
         self.enclosures = enclosures(scene);
+        self.are_instances = sharing::instances(scene, options.copies);
         for (number, object) in scene.objects.iter().enumerate() {
             self.add(number, object, scene);
         }
@@ -63,28 +107,38 @@ impl Assembly {
             self.add_emitter(Emitter::Environment(sky))
         });
 
-        let (triangles, spheres, disks, customs) =
-            (self.triangles.len(), self.spheres.len(), self.disks.len(), self.customs.len());
-        let fits = |before: &&Prepared| {
-            let Self { positions, triangles, spheres, disks, customs, .. } = &self;
-            before.surfaces.are_of(positions, triangles, spheres, disks, customs)
+        let (spheres, disks, customs) = (self.spheres.len(), self.disks.len(), self.customs.len());
+        let stored =
+            self.triangles.len() + self.meshes.iter().map(|m| m.triangles().len()).sum::<usize>();
+        let of = |i: &Instance| self.meshes[i.mesh as usize].triangles().len() as u64;
+        let triangles = self.triangles.len() as u64 + self.instances.iter().map(of).sum::<u64>();
+        let (meshes, instances) = (self.meshes.len(), self.instances.len());
+        let contents = Contents {
+            positions: std::mem::take(&mut self.positions),
+            triangles: std::mem::take(&mut self.triangles),
+            spheres: std::mem::take(&mut self.spheres),
+            disks: std::mem::take(&mut self.disks),
+            customs: std::mem::take(&mut self.customs),
+            meshes: std::mem::take(&mut self.meshes),
+            instances: std::mem::take(&mut self.instances),
         };
         let object_of_primitive: Arc<[u32]> = self.objects_of.concat().into();
-        let (surfaces, extents) = if let Some(before) = before.filter(fits) {
-            let same_objects = before.object_of_primitive == object_of_primitive
-                && before.objects.len() == self.objects.len();
-            let extents = same_objects.then(|| Arc::clone(&before.extents));
-            (Arc::clone(&before.surfaces), extents.unwrap_or_default())
-        } else {
-            let Self { positions, triangles, spheres, disks, customs, .. } = self;
-            let built =
-                Surfaces::with_custom(positions, triangles, spheres, disks, customs, options);
-            let surfaces = match before {
-                Some(before) => built.at_level_of(&before.surfaces),
-                None => built,
+        let object_of_instance: Arc<[u32]> = std::mem::take(&mut self.objects_of_instances).into();
+        let (surfaces, extents) =
+            if let Some(before) = before.filter(|before| before.surfaces.are_of(&contents)) {
+                let same_objects = before.object_of_primitive == object_of_primitive
+                    && before.object_of_instance == object_of_instance
+                    && before.objects.len() == self.objects.len();
+                let extents = same_objects.then(|| Arc::clone(&before.extents));
+                (Arc::clone(&before.surfaces), extents.unwrap_or_default())
+            } else {
+                let built = Surfaces::of(contents, options);
+                let surfaces = match before {
+                    Some(before) => built.at_level_of(&before.surfaces),
+                    None => built,
+                };
+                (Arc::new(surfaces), Arc::default())
             };
-            (Arc::new(surfaces), Arc::default())
-        };
         let left_out = surfaces.report().left_out;
         if left_out.count > 0 {
             let (count, first) = (left_out.count, left_out.first.unwrap_or(0));
@@ -115,7 +169,10 @@ impl Assembly {
             ).into());
         }
         let report = PrepareReport {
-            triangles: triangles as u64,
+            triangles,
+            stored_triangles: stored as u64,
+            shared_meshes: meshes as u64,
+            instances: instances as u64,
             spheres: spheres as u64,
             disks: disks as u64,
             customs: customs as u64,
@@ -134,6 +191,7 @@ impl Assembly {
             surfaces,
             build: *options,
             object_of_primitive,
+            object_of_instance,
             objects: self.objects.into(),
             normals: self.normals.into(),
             uvs: self.uvs.into(),
@@ -187,6 +245,13 @@ impl Assembly {
         match &object.shape {
             Shape::Mesh(id) => {
                 let mesh = &scene.meshes[id.0 as usize];
+                if self.are_instances[number]
+                    && let Some(stored) = self.store(id.0, mesh)
+                {
+                    self.add_instance(stored, number, object, mesh, material, &mut prepared);
+                    self.objects.push(prepared);
+                    return;
+                }
                 self.add_mesh(mesh, number, object, material, &mut prepared);
             }
             Shape::Box { size } => {
@@ -267,10 +332,7 @@ impl Assembly {
         }
         if self.enclosures[number].inside_out {
             self.turn(first_triangle);
-            let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
-            self.notes.push(Place::Object(number).note(format!(
-                "{name} is wound inside out; its triangles are turned, so that glass is inside"
-            )));
+            self.note_inside_out(mesh, number);
         }
 
         if !mesh.normals.is_empty() {
@@ -278,44 +340,118 @@ impl Assembly {
             let normals = mesh.normals.iter();
             self.normals.extend(normals.map(|&n| transform.normal(n).normalize_or_zero()));
         }
+        self.add_painting(mesh).give(prepared);
+        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
+        if material.emission.is_some() {
+            let corners = self.triangles[first_triangle..].iter().map(corners).collect();
+            self.add_triangle_emitters(corners, number, material, prepared);
+        }
+    }
+
+    /// Takes over what textures need of a mesh.
+    fn add_painting(&mut self, mesh: &Mesh) -> Painting {
+        let vertices = mesh.positions.len();
+        let mut painting = Painting { vertices: vertices as u32, ..Painting::default() };
         let sets = std::iter::once(&mesh.uvs).chain(&mesh.more_uvs);
         if sets.clone().any(|uvs| !uvs.is_empty()) {
-            prepared.first_uv = Some(self.uvs.len() as u32);
+            painting.first_uv = Some(self.uvs.len() as u32);
             for uvs in sets {
                 self.uvs.extend_from_slice(uvs);
-                let missing = if uvs.is_empty() { mesh.positions.len() } else { 0 };
+                let missing = if uvs.is_empty() { vertices } else { 0 };
                 self.uvs.resize(self.uvs.len() + missing, Vec2::ZERO);
-                prepared.uv_sets += 1;
+                painting.uv_sets += 1;
             }
         }
         if !mesh.colors.is_empty() {
-            prepared.first_color = Some(self.colors.len() as u32);
+            painting.first_color = Some(self.colors.len() as u32);
             self.colors.extend_from_slice(&mesh.colors);
         }
-        prepared.vertices = mesh.positions.len() as u32;
-        self.add_triangle_emitters(first_triangle, number, material, prepared);
+        painting
     }
 
-    /// Makes the triangles from `first` on shine, if the material does.
+    fn note_inside_out(&mut self, mesh: &Mesh, number: usize) {
+        let name = if mesh.name.is_empty() { "a mesh" } else { &mesh.name };
+        self.notes.push(Place::Object(number).note(format!(
+            "{name} is wound inside out; its triangles are turned, so that glass is inside"
+        )));
+    }
+
+    /// Stores a mesh for its instances, if it can be; once. Its normals stay in its own space.
+    fn store(&mut self, id: u32, mesh: &Mesh) -> Option<Stored> {
+        if let Some(stored) = self.stored.get(&id) {
+            return Some(*stored);
+        }
+        let number = self.meshes.len();
+        let known = self.known.get(number).filter(|m| m.is_of(&mesh.positions, &mesh.triangles));
+        let shared = match known {
+            Some(known) => Arc::clone(known),
+            None => {
+                let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
+                Arc::new(SharedMesh::new(positions, triangles, &self.options)?)
+            }
+        };
+        self.meshes.push(shared);
+        let first = |values: &[Vec3]| (!values.is_empty()).then_some(self.normals.len() as u32);
+        let first_normal = first(&mesh.normals);
+        self.normals.extend_from_slice(&mesh.normals);
+        let painting = self.add_painting(mesh);
+        let stored = Stored { number: number as u32, first_normal, painting };
+        self.stored.insert(id, stored);
+        Some(stored)
+    }
+
+    fn add_instance(
+        &mut self,
+        stored: Stored,
+        number: usize,
+        object: &Object,
+        mesh: &Mesh,
+        material: &Material,
+        prepared: &mut PreparedObject,
+    ) {
+        let Stored { number: in_order, first_normal, painting } = stored;
+        let inside_out = self.enclosures[number].inside_out;
+        let instance = Instance {
+            mesh: in_order,
+            turned: object.world_from_object.mirrors() != inside_out,
+            after: self.triangles.len() as u32,
+            world_from_mesh: object.world_from_object,
+        };
+        // Of one mesh that is told once.
+        let again = |i: &Instance| i.mesh == in_order;
+        if inside_out && !self.instances.iter().rev().any(again) {
+            self.note_inside_out(mesh, number);
+        }
+        self.instances.push(instance);
+        self.objects_of_instances.push(number as u32);
+        *prepared = PreparedObject {
+            first_primitive: 0,
+            first_vertex: 0,
+            first_normal,
+            ..prepared.clone()
+        };
+        painting.give(prepared);
+        if material.emission.is_some() {
+            let corners = |t: &[u32; 3]| instance.placed(t.map(|v| mesh.positions[v as usize]));
+            let corners = mesh.triangles.iter().map(corners).collect();
+            self.add_triangle_emitters(corners, number, material, prepared);
+        }
+    }
+
+    /// Makes triangles shine, if the material does.
     fn add_triangle_emitters(
         &mut self,
-        first: usize,
+        triangles: Vec<[Vec3; 3]>,
         number: usize,
         material: &Material,
         prepared: &mut PreparedObject,
     ) {
-        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
-        let area = self.triangles[first..].iter().map(|t| triangle_area(corners(t)));
         // Triangles that are no numbers give no light.
-        let area = area.filter(|a| a.is_finite()).sum();
+        let area = triangles.iter().copied().map(triangle_area).filter(|a| a.is_finite()).sum();
         let Some(glow) = self.glow(number, material, area) else { return };
-        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
-        let emitters = self.triangles[first..]
-            .iter()
-            .map(|t| Emitter::Triangle(TriangleEmitter::new(corners(t), glow)));
-        let emitters: Vec<Emitter> = emitters.collect();
+        let emitter = |corners| Emitter::Triangle(TriangleEmitter::new(corners, glow));
         prepared.emitters = ObjectEmitters::Each(self.emitters.len() as u32);
-        self.emitters.extend(emitters);
+        self.emitters.extend(triangles.into_iter().map(emitter));
     }
 
     /// Adds two triangles; returns the corner and its two neighbours.

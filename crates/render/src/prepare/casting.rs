@@ -1,9 +1,10 @@
 //! What caustics come from is looked for in a scene: lights, and what throws their light.
 
 use super::casters::{Caster, Casters};
-use super::prepared::{Prepared, PreparedObject};
+use super::prepared::{ObjectEmitters, Prepared, PreparedObject};
 use crate::light::{Emitter, EmitterSelection, LampPoint};
 use crate::medium::{Border, Media};
+use rayon::prelude::*;
 use rutilant_geom::{Aabb, Frame, Ray, Vec2, Vec3, offset_origin};
 
 /// How far an object extends.
@@ -79,7 +80,7 @@ impl Prepared {
                 .map(|o| o.0)
         };
         let (mut media, mut known) = (Vec::new(), vec![false; self.objects.len()]);
-        for (primitive, &number) in (0..).zip(self.object_of_primitive.iter()) {
+        for (primitive, number) in self.primitives_of_objects() {
             let object = &self.objects[number as usize];
             let Some(emitter) = object.emitter_of(primitive) else { continue };
             let lamp = &self.emitters[emitter as usize];
@@ -116,13 +117,40 @@ impl Prepared {
     fn casters(&self, extents: &[Extent]) -> Casters {
         let casts =
             |object: &PreparedObject| self.materials[object.material as usize].bsdf.delta_pmf();
-        let casters = self.objects.iter().zip(extents);
-        let casters = casters.filter(|(object, extent)| casts(object) > 0.0 && extent.reach > 0.0);
-        let caster = |(object, e): (_, &Extent)| Caster::around(&e.bounds, e.reach, casts(object));
+        let mut reaches: Vec<f32> = extents.iter().map(|extent| extent.reach).collect();
+        let reach = |(i, object): (usize, &u32)| {
+            let center = extents[*object as usize].bounds.center();
+            let casts = casts(&self.objects[*object as usize]) > 0.0 && center.is_finite();
+            let reach = || self.surfaces.reach_of_instance(i as u32, center);
+            (*object, if casts { reach() } else { 0.0 })
+        };
+        let instances = self.object_of_instance.par_iter().enumerate();
+        for (object, reach) in instances.map(reach).collect::<Vec<_>>() {
+            reaches[object as usize] = reach;
+        }
+        let casters = self.objects.iter().zip(extents.iter().zip(reaches));
+        let casters = casters.filter(|(object, (_, reach))| casts(object) > 0.0 && *reach > 0.0);
+        let caster = |(object, (e, reach)): (_, (&Extent, f32))| {
+            Caster::around(&e.bounds, reach, casts(object))
+        };
         Casters::new(casters.map(caster).collect())
     }
 
-    /// How far each object extends.
+    /// All primitives with the number of the object that each belongs to; of instances only those
+    /// that glow.
+    fn primitives_of_objects(&self) -> impl Iterator<Item = (u32, u32)> {
+        let alone = (0..).zip(self.object_of_primitive.iter().copied());
+        let instances = self.object_of_instance.iter().zip(self.surfaces.instances());
+        let glowing = instances.filter(|(object, _)| {
+            !matches!(self.objects[**object as usize].emitters, ObjectEmitters::None)
+        });
+        alone.chain(glowing.flat_map(|(object, instance)| {
+            let triangles = self.surfaces.mesh_of(instance).triangles().len() as u32;
+            (0..triangles).map(move |primitive| (primitive, *object))
+        }))
+    }
+
+    /// How far each object extends; of instances only their boxes.
     fn find_extents(&self) -> Vec<Extent> {
         let mut extents = vec![Extent { bounds: Aabb::EMPTY, reach: 0.0 }; self.objects.len()];
         self.each_piece(|object, point, radius| {
@@ -133,11 +161,16 @@ impl Prepared {
             let Extent { bounds, reach } = &mut extents[object];
             *reach = reach.max(bounds.center().distance(point) + radius);
         });
+        let instances = (0..self.object_of_instance.len() as u32).into_par_iter();
+        let bounds: Vec<Aabb> = instances.map(|i| self.surfaces.bounds_of_instance(i)).collect();
+        for (object, bounds) in self.object_of_instance.iter().zip(bounds) {
+            extents[*object as usize].bounds = bounds;
+        }
         extents
     }
 
-    /// Tells the balls that hold all surfaces of each object, by the object's number: corners of
-    /// triangles are balls without a radius.
+    /// Tells the balls that hold all surfaces of each object that is no instance, by the object's
+    /// number: corners of triangles are balls without a radius.
     fn each_piece(&self, mut piece: impl FnMut(usize, Vec3, f32)) {
         let mut objects = self.object_of_primitive.iter().map(|&object| object as usize);
         let mut tell = |object: Option<usize>, center: Vec3, radius: f32| {

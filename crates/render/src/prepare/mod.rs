@@ -40,6 +40,7 @@ impl Prepared {
     /// As for [`new`](Self::new).
     pub fn with_options(scene: &Scene, options: &BuildOptions) -> Result<Self, SceneProblem> {
         scene.validate()?;
+        scene.check_size(options.copies)?;
         Ok(Assembly::default().finish(scene, options, None))
     }
 
@@ -52,6 +53,7 @@ impl Prepared {
     /// As for [`new`](Self::new).
     pub fn edited(&self, scene: &Scene) -> Result<Self, SceneProblem> {
         scene.validate()?;
+        scene.check_size(self.build.copies)?;
         Ok(Assembly::default().finish(scene, &self.build, Some(self)))
     }
 

@@ -28,7 +28,10 @@ pub struct Prepared {
     pub(super) build: BuildOptions,
     /// The object of each primitive.
     pub(super) object_of_primitive: Arc<[u32]>,
+    /// The object of each instance of a mesh that is stored once.
+    pub(super) object_of_instance: Arc<[u32]>,
     pub(super) objects: Arc<[PreparedObject]>,
+    /// In the world; of meshes that are stored once in their own space, of any length.
     pub(super) normals: Arc<[Vec3]>,
     pub(super) uvs: Arc<[Vec2]>,
     pub(super) colors: Arc<[[f32; 4]]>,
@@ -71,6 +74,12 @@ pub struct Prepared {
 pub struct PrepareReport {
     /// Triangles that stand in the world.
     pub triangles: u64,
+    /// Triangles that are stored: those of instances once.
+    pub stored_triangles: u64,
+    /// Meshes that are stored once, however often they stand in the world.
+    pub shared_meshes: u64,
+    /// How often those stand in the world, all together.
+    pub instances: u64,
     /// Spheres.
     pub spheres: u64,
     /// Disks.
@@ -87,7 +96,7 @@ pub struct PrepareReport {
     pub emitters: u64,
     /// The smallest box around everything.
     pub bounds: Aabb,
-    /// The tree.
+    /// The tree of the world; its `bytes` are those of all trees, and of what is in them.
     pub bvh: BuildReport,
     /// What was mended on the way, in words for the author.
     pub notes: Vec<Note>,
@@ -100,6 +109,8 @@ pub(super) struct PreparedObject {
     /// It encloses a space by itself.
     pub(super) closed: bool,
     pub(super) emitters: ObjectEmitters,
+    /// Where its triangles and their vertices start among all: zero for an instance, which has those
+    /// of its mesh.
     pub(super) first_primitive: u32,
     pub(super) first_vertex: u32,
     pub(super) vertices: u32,
@@ -132,6 +143,14 @@ impl PreparedObject {
             ObjectEmitters::Each(first) => Some(first + (primitive - self.first_primitive)),
         }
     }
+}
+
+/// A vertex of a triangle in the world.
+#[derive(Clone, Copy)]
+pub(super) struct Vertex {
+    /// Its number in the object's mesh.
+    pub(super) number: u32,
+    pub(super) position: Vec3,
 }
 
 /// A surface, as far as it is the same everywhere.
@@ -214,10 +233,10 @@ impl Prepared {
         self.is_plain
     }
 
-    /// What stands behind the number of a primitive.
+    /// What stands behind the number of a primitive, and of the instance that it is of.
     #[inline(always)]
-    pub(crate) fn surface_of(&self, primitive: u32) -> SurfaceOf<'_> {
-        let object = &self.objects[self.object_of_primitive[primitive as usize] as usize];
+    pub(crate) fn surface_of(&self, instance: Option<u32>, primitive: u32) -> SurfaceOf<'_> {
+        let object = &self.objects[self.object_of(instance, primitive) as usize];
         SurfaceOf {
             material: &self.materials[object.material as usize],
             emitter: object.emitter_of(primitive),
@@ -232,11 +251,11 @@ impl Prepared {
         let flat =
             SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
         let Some(first_normal) = object.first_normal else { return flat };
-        let vertices = self.surfaces.triangles()[hit.primitive as usize];
+        let Some(vertices) = self.vertices(hit, object) else { return flat };
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let corners = std::array::from_fn(|i| {
-            let normal = self.normals[(vertices[i] - object.first_vertex + first_normal) as usize];
-            (self.surfaces.positions()[vertices[i] as usize], normal, weights[i])
+            let Vertex { number, position } = vertices[i];
+            (position, self.normal_at(hit, first_normal + number), weights[i])
         });
         let normal = corners.iter().fold(Vec3::ZERO, |sum, (_, n, w)| sum + *n * *w);
         flat.smoothed(normal, corners)
@@ -245,16 +264,16 @@ impl Prepared {
     /// How much the shading normal at `hit` changes over a `step` along the surface, times the
     /// step's length: zero where the surface is flat and looks it.
     pub(crate) fn normal_change(&self, hit: &Hit, step: DVec3) -> DVec3 {
-        let triangles = self.surfaces.triangles();
-        let Some(vertices) = triangles.get(hit.primitive as usize) else {
-            let sphere = self.surfaces.spheres().get(hit.primitive as usize - triangles.len());
+        let object = self.object(hit);
+        let Some(vertices) = self.vertices(hit, object) else {
+            let number = hit.primitive as usize - self.surfaces.triangles().len();
+            let sphere = self.surfaces.spheres().get(number);
             return sphere.map_or(DVec3::ZERO, |sphere| step / f64::from(sphere.radius));
         };
-        let object = self.object(hit);
         let Some(first_normal) = object.first_normal else { return DVec3::ZERO };
-        let [a, b, c] = vertices.map(|v| {
-            let normal = self.normals[(v - object.first_vertex + first_normal) as usize];
-            (self.surfaces.positions()[v as usize].as_dvec3(), normal.as_dvec3())
+        let [a, b, c] = vertices.map(|Vertex { number, position }| {
+            let normal = self.normal_at(hit, first_normal + number);
+            (position.as_dvec3(), normal.as_dvec3())
         });
 
         // The step as parts of two edges.
@@ -281,13 +300,14 @@ impl Prepared {
     /// from 0 to 1; on a custom shape its own.
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         let own = Vec2::new(hit.u, hit.v);
-        let Some(&triangle) = self.surfaces.triangles().get(hit.primitive as usize) else {
+        let object = self.object(hit);
+        let Some(vertices) = self.vertices(hit, object) else {
             let disks = self.surfaces.triangles().len() + self.surfaces.spheres().len();
             let number = (hit.primitive as usize).checked_sub(disks);
             let on_a_disk = number.is_some_and(|n| n < self.surfaces.disks().len());
             return if on_a_disk { 0.5 + 0.5 * own } else { own };
         };
-        let [a, b, c] = self.uvs_of(self.object(hit), triangle, 0);
+        let [a, b, c] = self.uvs_of(object, &vertices, 0);
         a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
     }
 
@@ -395,12 +415,12 @@ impl Prepared {
         ends: [Vec3; 2],
         mut touches: impl FnMut(u32, bool),
     ) {
-        let object_of = |primitive: u32| self.object_of_primitive[primitive as usize];
+        let hit_object = self.object_of(hit.instance, hit.primitive);
         // More objects than this do not touch at one place.
-        let mut known = [(object_of(hit.primitive), None); 2 * Media::MOST];
+        let mut known = [(hit_object, None); 2 * Media::MOST];
         let mut count = 1;
-        self.surfaces.at_the_same_place(ray, hit, ends, |primitive, from_front| {
-            let object = object_of(primitive);
+        self.surfaces.at_the_same_place(ray, hit, ends, |instance, primitive, from_front| {
+            let object = self.object_of(instance, primitive);
             let material = self.objects[object as usize].material;
             let Some(rank) = self.materials[material as usize].rank() else { return };
             let side = Some(from_front);
@@ -472,7 +492,47 @@ impl Prepared {
     }
 
     pub(super) fn object(&self, hit: &Hit) -> &PreparedObject {
-        &self.objects[self.object_of_primitive[hit.primitive as usize] as usize]
+        &self.objects[self.object_of(hit.instance, hit.primitive) as usize]
+    }
+
+    /// The number of the object that a primitive, or an instance, belongs to.
+    #[inline(always)]
+    fn object_of(&self, instance: Option<u32>, primitive: u32) -> u32 {
+        match instance {
+            None => self.object_of_primitive[primitive as usize],
+            Some(instance) => self.object_of_instance[instance as usize],
+        }
+    }
+
+    /// The vertices of the triangle that was hit, in the order of their weights; `None` if it is no
+    /// triangle. `object` is the one that was hit.
+    pub(super) fn vertices(&self, hit: &Hit, object: &PreparedObject) -> Option<[Vertex; 3]> {
+        let Some(number) = hit.instance else {
+            let vertices = self.surfaces.triangles().get(hit.primitive as usize)?;
+            return Some(vertices.map(|v| Vertex {
+                number: v - object.first_vertex,
+                position: self.surfaces.positions()[v as usize],
+            }));
+        };
+        let instance = self.surfaces.instances().get(number as usize)?;
+        let mesh = self.surfaces.mesh_of(instance);
+        let [a, b, c] = (*mesh.triangles().get(hit.primitive as usize)?).map(|v| Vertex {
+            number: v,
+            position: instance.world_from_mesh.point(mesh.positions()[v as usize]),
+        });
+        Some(if instance.turned { [a, c, b] } else { [a, b, c] })
+    }
+
+    /// The vertex normal number `i`, of unit length in the world, of the object that was hit.
+    fn normal_at(&self, hit: &Hit, i: u32) -> Vec3 {
+        let normal = self.normals[i as usize];
+        match hit.instance {
+            None => normal,
+            Some(instance) => {
+                let placed = &self.surfaces.instances()[instance as usize];
+                placed.world_from_mesh.normal(normal).normalize_or_zero()
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Textures as they are looked up.
 
-use super::prepared::{Prepared, PreparedObject};
+use super::prepared::{Prepared, PreparedObject, Vertex};
 use crate::camera::PreparedCamera;
 use crate::color::Spectrum;
 use crate::problem::{Note, Place};
@@ -239,14 +239,13 @@ impl<'p> TexturePlace<'p> {
     #[inline]
     fn uv(&self, set: u32) -> (Vec2, f32) {
         let Self { scene, object, hit, width } = self;
-        let surfaces = &scene.surfaces;
-        let Some(&triangle) = surfaces.triangles().get(hit.primitive as usize) else {
+        let Some(vertices) = scene.vertices(hit, object) else {
             let per_metre = scene.uvs_per_metre(hit.primitive);
             return (scene.uv(hit), width * per_metre);
         };
-        let [a, b, c] = scene.uvs_of(object, triangle, set);
+        let [a, b, c] = scene.uvs_of(object, &vertices, set);
         let uv = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
-        let [p, q, r] = triangle.map(|v| surfaces.positions()[v as usize]);
+        let [p, q, r] = vertices.map(|vertex| vertex.position);
         let areas = ((b - a).perp_dot(c - a).abs(), (q - p).cross(r - p).length());
         (uv, width * (areas.0 / areas.1).sqrt())
     }
@@ -254,12 +253,10 @@ impl<'p> TexturePlace<'p> {
     /// The colour and opacity of the mesh's vertices, white where they have none.
     pub(super) fn vertex_color(&self) -> [f32; 4] {
         let Self { scene, object, hit, .. } = self;
-        let (Some(first), Some(triangle)) =
-            (object.first_color, scene.surfaces.triangles().get(hit.primitive as usize))
-        else {
+        let (Some(first), Some(vertices)) = (object.first_color, scene.vertices(hit, object)) else {
             return [1.0; 4];
         };
-        let [a, b, c] = triangle.map(|v| scene.colors[(v - object.first_vertex + first) as usize]);
+        let [a, b, c] = vertices.map(|vertex| scene.colors[(first + vertex.number) as usize]);
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         std::array::from_fn(|i| a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2])
     }
@@ -272,13 +269,13 @@ impl Prepared {
     pub(super) fn uvs_of(
         &self,
         object: &PreparedObject,
-        triangle: [u32; 3],
+        vertices: &[Vertex; 3],
         set: u32,
     ) -> [Vec2; 3] {
         let Some(first) = object.first_uv else { return [Vec2::ZERO, Vec2::X, Vec2::Y] };
         let set = if set < object.uv_sets { set } else { 0 };
         let first = first + set * object.vertices;
-        triangle.map(|v| self.uvs[(v - object.first_vertex + first) as usize])
+        [0, 1, 2].map(|i| self.uvs[(first + vertices[i].number) as usize])
     }
 
     /// How much texture coordinates change over a metre, on what is no triangle.

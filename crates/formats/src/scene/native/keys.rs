@@ -72,7 +72,8 @@ pub(super) const THIN_DIELECTRIC: &[&str] = &["ior", "color"];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 
 pub(super) const ANY_SHAPE: &[&str] =
-    &["type", "material", "translate", "rotate_degrees", "rotate", "scale", "matrix"];
+    &["type", "material", "translate", "rotate_degrees", "rotate", "scale", "matrix", "instances"];
+pub(super) const INSTANCE: &[&str] = &["translate", "rotate_degrees", "rotate", "scale", "matrix"];
 pub(super) const CENTERED: &[&str] = &["center"];
 pub(super) const ROUND: &[&str] = &["radius"];
 pub(super) const SIZED: &[&str] = &["size"];
@@ -111,6 +112,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a thin dielectric", THIN_DIELECTRIC),
     ("a mix", MIX),
     ("[[shape]]", ANY_SHAPE),
+    ("an instance", INSTANCE),
     ("a sphere or disk", ROUND),
     ("a rectangle or box", SIZED),
     ("a sphere, rectangle, disk or box", CENTERED),
@@ -147,7 +149,10 @@ pub(super) fn is_known(name: &str) -> bool {
 /// first of the others. What comes from a file is shown at the file's name.
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("scale", &["uv_scale"]),
-    ("transform", &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit"]),
+    (
+        "transform",
+        &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit", "instances"],
+    ),
     ("fov_degrees", &["focal_length_mm"]),
     ("rotation_degrees", &["uv_rotation_degrees"]),
     ("offset", &["uv_offset"]),

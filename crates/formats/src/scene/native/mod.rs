@@ -11,6 +11,7 @@ mod draft;
 mod edit;
 mod environment;
 mod hex;
+mod instances;
 mod keys;
 mod layout;
 mod light;

@@ -2,7 +2,7 @@
 
 use super::draft::{Draft, MeshFile};
 use super::table::{Table, Value};
-use super::{keys, material, placing};
+use super::{instances, keys, material, placing};
 use crate::error::SceneError;
 use crate::scene::framing::bounds_of;
 use crate::scene::mesh_file;
@@ -56,7 +56,12 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
     };
     let material = table.must("material", |v| material::named(v, &draft.materials))?;
     let world_from_object = placing::transform(&table)?;
-    draft.add_object(&table, Object { shape, material, world_from_object })
+    for (place, moved) in instances::places(&table, draft)? {
+        let world_from_object = moved * world_from_object;
+        let shape = shape.clone();
+        draft.add_object(&place, Object { shape, material, world_from_object })?;
+    }
+    Ok(())
 }
 
 fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
@@ -79,10 +84,12 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
 
     let fitted = table.maybe("fit", |value| placing::fit(value, mesh.bounds))?;
     let world_from_object = placing::transform(table)? * fitted.unwrap_or(Transform::IDENTITY);
-    for &(mesh, own) in &mesh.parts {
-        let material = own.or(backup).ok_or_else(|| table.missing("material"))?;
-        let shape = Shape::Mesh(mesh);
-        draft.add_object(table, Object { shape, material, world_from_object })?;
+    for (place, moved) in instances::places(table, draft)? {
+        for &(mesh, own) in &mesh.parts {
+            let material = own.or(backup).ok_or_else(|| table.missing("material"))?;
+            let (shape, world_from_object) = (Shape::Mesh(mesh), moved * world_from_object);
+            draft.add_object(&place, Object { shape, material, world_from_object })?;
+        }
     }
     Ok(())
 }

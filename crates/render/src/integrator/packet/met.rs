@@ -132,7 +132,7 @@ impl<'p> MetPacket<'p> {
                 met.distance[lane] = f32::INFINITY;
                 continue;
             }
-            let surface = scene.surface_of(primitive);
+            let surface = scene.surface_of(hits.instance(lane), primitive);
             if surface.smoothed
                 && let Some(hit) = hits.hit(lane)
             {
@@ -223,6 +223,9 @@ impl<'p> MetPacket<'p> {
         let up = (normal.dot(side) * cos).simd_gt(f32x8::splat(simd, 0.0));
         let leaves = up & cos.abs().simd_gt(f32x8::splat(simd, CLEARLY));
         let nothing = u32x8::splat(simd, HitPacket::NOTHING);
+        // Numbers within instances are not those of triangles that stand alone.
+        let instance: u32x8<S> = self.hits.instance.simd_into(simd);
+        let leaves = leaves & instance.simd_eq(nothing);
         leaves.select(self.hits.primitive.simd_into(simd), nothing).into()
     }
 
