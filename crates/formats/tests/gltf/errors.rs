@@ -451,6 +451,20 @@ fn small_files_take_little_memory() {
     assert_eq!(builder.read().meshes.len(), 1000);
 }
 
+/// Many keys, and many attributes that nobody reads, take time in proportion only: a quadratic
+/// search would take minutes.
+#[test]
+fn many_keys_are_read_soon() {
+    let start = std::time::Instant::now();
+    let mut builder = Builder::triangle();
+    let attributes = (0..200_000).map(|i| (format!("_{i}"), json!(0)));
+    let attributes: serde_json::Map<_, _> =
+        [("POSITION".to_owned(), json!(0))].into_iter().chain(attributes).collect();
+    builder.json["meshes"][0]["primitives"][0]["attributes"] = json!(attributes);
+    builder.read();
+    assert!(start.elapsed() < std::time::Duration::from_secs(20), "{:?}", start.elapsed());
+}
+
 /// Limits that the caller sets are told with the name by which they can be raised.
 #[test]
 fn limits_hold() {

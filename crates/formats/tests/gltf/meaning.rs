@@ -2,8 +2,8 @@
 
 use crate::builder::{Builder, glb, read};
 use rutilant_formats::scene::gltf::{
-    Alpha, Encoding, Filter, ImageBytes, LightKind, Placement, Primitive, Projection, Wrap,
-    read_bytes,
+    Alpha, Encoding, Filter, ImageBytes, LightKind, Placement, Primitive, Projection, UvTransform,
+    Wrap, read_bytes,
 };
 use rutilant_formats::{ReadOptions, SceneErrorKind};
 use rutilant_geom::{Vec2, Vec3};
@@ -320,6 +320,28 @@ fn materials_are_kept_whole() {
     assert_eq!((plain.alpha, plain.double_sided, plain.unlit), (Alpha::Opaque, false, false));
     assert_eq!((plain.specular.strength, plain.specular.color), (1.0, [1.0; 3]));
     assert_eq!((plain.transmission, plain.volume, plain.clearcoat), (None, None, None));
+}
+
+/// The example of `KHR_texture_transform`: by half, a quarter turn and a move down, the image is
+/// its own lower left quarter (v from 1/2 to 1), turned so that its upper left corner is the lower
+/// left one of the whole.
+#[test]
+fn texture_coordinates_are_turned() {
+    let quarter = std::f32::consts::FRAC_PI_2;
+    let transform = UvTransform { offset: [0.0, 1.0], rotation: quarter, scale: [0.5, 0.5] };
+    for (from, to) in [
+        ([0.0, 0.0], [0.0, 1.0]),
+        ([1.0, 0.0], [0.0, 0.5]),
+        ([0.0, 1.0], [0.5, 1.0]),
+        ([1.0, 1.0], [0.5, 0.5]),
+    ] {
+        let there = transform.apply(Vec2::from_array(from));
+        assert!((there - Vec2::from_array(to)).length() < 1e-6, "{from:?}: {there}");
+    }
+    assert_eq!(UvTransform::IDENTITY.apply(Vec2::new(0.3, 0.7)), Vec2::new(0.3, 0.7));
+    // Scales come first, so they go along u and v as they are told.
+    let wide = UvTransform { offset: [0.0; 2], rotation: quarter, scale: [4.0, 1.0] };
+    assert!((wide.apply(Vec2::X) - Vec2::new(0.0, -4.0)).length() < 1e-5);
 }
 
 /// Factors outside their range are moved to its end, and told once for all of them. Emission

@@ -1,6 +1,6 @@
 //! Where things stand, and how meshes are bent: against numbers worked out by hand.
 
-use crate::builder::Builder;
+use crate::builder::{Builder, read};
 use rutilant_formats::scene::gltf::{Document, Moment, Pose};
 use rutilant_geom::Vec3;
 use serde_json::json;
@@ -45,17 +45,15 @@ fn hierarchies_multiply() {
 /// A hundred thousand nodes, one below the other: each moves by one.
 #[test]
 fn deep_hierarchies_end() {
-    let mut builder = Builder::triangle();
     let count = 100_000;
-    let mut nodes = Vec::new();
-    for i in 1..count {
-        nodes.push(json!({"children": [i], "translation": [1, 0, 0]}));
-    }
-    nodes.push(json!({"mesh": 0, "translation": [1, 0, 0]}));
-    builder.json["nodes"] = json!(nodes);
-    let document = builder.read();
+    let node = |i| format!("{{\"translation\":[1,0,0],\"children\":[{i}]}},");
+    let above: String = (1..count).map(node).collect();
+    let text = Builder::triangle().text();
+    let deep = text.replace("\"nodes\":[{\"mesh\"", &format!("\"nodes\":[{above}{{\"mesh\""));
+    assert!(deep.len() > text.len());
+    let document = read(deep.as_bytes()).expect("read");
     let placed = document.placed(None, &document.pose(None)).expect("finite");
-    assert_eq!(placed[0].world_from_node.translation(), Vec3::new(1e5, 0.0, 0.0));
+    assert_eq!(placed[0].world_from_node.translation(), Vec3::new(99_999.0, 0.0, 0.0));
 }
 
 /// What is hidden hides what is below it.

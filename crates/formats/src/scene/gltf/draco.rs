@@ -32,11 +32,12 @@ pub(super) fn unpack(
     let attributes = primitive.need("attributes")?;
     let compressed = extension.need("attributes")?;
     let mut wanted = Vec::new();
+    let (by_name, ids) = (attributes.by_key()?, compressed.by_key()?);
     for (name, _) in compressed.object()? {
-        let id = compressed.need(name)?.whole(u64::from(u32::MAX))? as u32;
-        let Some(at) = attributes.get(name)? else { continue };
-        let index = accessors.index(&at)?;
-        if !accessors.has_bytes(&at)? {
+        let (Some(at), Some(id)) = (by_name.get(&**name), ids.get(&**name)) else { continue };
+        let id = id.whole(u64::from(u32::MAX))? as u32;
+        let index = accessors.index(at)?;
+        if !accessors.has_bytes(at)? {
             wanted.push((id, index));
         }
     }

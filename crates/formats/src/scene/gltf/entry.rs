@@ -7,7 +7,9 @@
 use super::json::Json;
 use crate::error::SceneErrorKind;
 use crate::shown::shown;
+use std::borrow::Cow;
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::fmt;
 
 /// What reading a part of a document gives; the file is added by whoever opened it.
@@ -100,11 +102,19 @@ impl<'j> Entry<'_, 'j> {
     }
 
     /// The keys and values of an object.
-    pub(super) fn object(&self) -> Result<&'j [(std::borrow::Cow<'j, str>, Json<'j>)]> {
+    pub(super) fn object(&self) -> Result<&'j [(Cow<'j, str>, Json<'j>)]> {
         match self.json {
             Json::Object(entries) => Ok(entries),
             _ => Err(self.ill_typed("an object")),
         }
+    }
+
+    /// The values of an object by their keys, for objects that may have very many.
+    pub(super) fn by_key<'s>(&'s self) -> Result<HashMap<&'s str, Entry<'s, 'j>>> {
+        let entry = |(key, json): &'j (Cow<'j, str>, Json<'j>)| {
+            (&**key, Entry { json, place: Place::Key(&self.place, key), notes: self.notes })
+        };
+        Ok(self.object()?.iter().map(entry).collect())
     }
 
     /// The value of a key of an object; `None` where there is none.

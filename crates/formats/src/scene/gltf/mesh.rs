@@ -14,7 +14,7 @@ use super::texture::numbered;
 use crate::error::SceneErrorKind;
 use crate::limits::Limits;
 use rutilant_geom::{Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// What is added to vertices, times a weight.
@@ -197,8 +197,10 @@ fn primitive(
         material: entry.index_of("material", "material", counts.materials)?,
         variants: variants(entry, counts)?,
     };
+    let by_name = attributes.by_key()?;
+    // In the order of the document, so that of several mistakes always the same is told.
     for (name, _) in attributes.object()? {
-        let Some(at) = attributes.get(name)? else { continue };
+        let Some(&at) = by_name.get(&**name) else { continue };
         if name == "NORMAL" {
             check(&at, accessors.count(&at)?)?;
             read.normals = Some(accessors.vec3(&at)?);
@@ -214,7 +216,7 @@ fn primitive(
             read.colors.insert(set, accessors.vec4(&at, Whole::Parts)?);
         }
     }
-    skinning(&attributes, accessors, &mut read, &check)?;
+    skinning(&attributes, &by_name, accessors, &mut read, &check)?;
 
     // What morph targets add to them.
     if let Some(targets) = entry.get("targets")? {
@@ -264,14 +266,15 @@ fn primitive(
 /// Joints and weights, set by set.
 fn skinning(
     attributes: &Entry<'_, '_>,
+    by_name: &HashMap<&str, Entry<'_, '_>>,
     accessors: &mut Accessors<'_>,
     read: &mut Primitive,
     check: &impl Fn(&Entry<'_, '_>, usize) -> Result<()>,
 ) -> Result<()> {
     for set in 0.. {
         let names = [format!("JOINTS_{set}"), format!("WEIGHTS_{set}")];
-        let [joints, weights] = names.each_ref().map(|name| attributes.get(name));
-        let (joints, weights) = match (joints?, weights?) {
+        let [joints, weights] = names.each_ref().map(|name| by_name.get(&**name).copied());
+        let (joints, weights) = match (joints, weights) {
             (Some(joints), Some(weights)) => (joints, weights),
             (None, None) => break,
             (Some(_), None) | (None, Some(_)) => {
@@ -297,7 +300,7 @@ fn skinning(
 
 /// Which materials variants give a primitive.
 fn variants(entry: &Entry<'_, '_>, counts: &Counts) -> Result<Vec<(usize, usize)>> {
-    let mut all = Vec::new();
+    let (mut all, mut seen) = (Vec::new(), HashSet::new());
     let Some(extension) = entry.extension("KHR_materials_variants")? else { return Ok(all) };
     let mappings = extension.need("mappings")?;
     for mapping in mappings.items()? {
@@ -305,7 +308,7 @@ fn variants(entry: &Entry<'_, '_>, counts: &Counts) -> Result<Vec<(usize, usize)
         let variants = mapping.need("variants")?;
         for variant in variants.items()? {
             let number = variant.index("variant", counts.variants)?;
-            if all.iter().any(|(other, _)| *other == number) {
+            if !seen.insert(number) {
                 return Err(variant.wrong(format_args!("names variant {number} once more")));
             }
             all.push((number, material));

@@ -13,6 +13,7 @@ use super::entry::{Entry, Result};
 use super::store::unsupported;
 use super::uri::{self, Meant};
 use crate::shown::shown;
+use rutilant_geom::{Vec2, real};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -88,8 +89,8 @@ pub struct Texture {
 pub struct UvTransform {
     /// Added last, in widths and heights of the texture.
     pub offset: [f32; 2],
-    /// Radians by which it is turned counter-clockwise around the origin, for v that points up
-    /// (in a picture, where v points down, clockwise).
+    /// Radians by which it is turned around the origin: counter-clockwise as one sees it with v
+    /// downwards, so that the image on a surface turns clockwise.
     pub rotation: f32,
     /// Factors along u and v.
     pub scale: [f32; 2],
@@ -98,6 +99,17 @@ pub struct UvTransform {
 impl UvTransform {
     /// Changes nothing.
     pub const IDENTITY: Self = Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };
+
+    /// Where a texture coordinate points.
+    ///
+    /// The listing in early versions of the extension turns the other way than its words and its
+    /// example; implementations follow the latter (KhronosGroup/glTF, issue 1563).
+    pub fn apply(&self, uv: Vec2) -> Vec2 {
+        let (s, c) = real::sin_cos(self.rotation);
+        let scaled = uv * Vec2::from_array(self.scale);
+        let turned = Vec2::new(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x);
+        turned + Vec2::from_array(self.offset)
+    }
 }
 
 /// A texture as a material uses it.
