@@ -43,7 +43,7 @@ fn write(folder: &Path, places: u32, triangles: u32) -> io::Result<()> {
     fs::create_dir_all(&parts)?;
     fs::write(folder.join("forest.toml"), SCENE)?;
     // The same density, however many there are.
-    let side = 2.6 * (places as f32).sqrt();
+    let side = 2.1 * (places as f32).sqrt();
     fs::write(parts.join("hills.ply"), ply(&hills(side)))?;
     fs::write(parts.join("crown.ply"), ply(&crown(triangles / 2)))?;
     fs::write(parts.join("trunk.ply"), ply(&trunk()))?;
@@ -55,7 +55,7 @@ fn write(folder: &Path, places: u32, triangles: u32) -> io::Result<()> {
         if x.abs() < 2.5 && z > -4.0 && z < 9.0 {
             continue;
         }
-        let size = 0.7 + 0.8 * part(3) * part(4);
+        let size = 0.8 + 0.9 * part(3) * part(4);
         let place = Transform::translate(Vec3::new(x, height(x, z), z))
             * Transform::rotate(Vec3::new(part(5) - 0.5, 6.0, part(6) - 0.5), TAU * part(7))
             * Transform::scale(Vec3::new(size, size * (0.8 + 0.6 * part(8)), size));
@@ -189,7 +189,7 @@ fn crown(leaves: u32) -> Mesh {
         let middle = Vec3::new(s * out, 0.5 + 2.5 * up - 0.35 * out + 0.12 * part(3), c * out);
         let along = Vec3::new(s, 0.6 * part(4) - 0.45, c) + Vec3::new(part(5), 0.0, part(6)) * 0.6;
         let along = along.normalize() * (0.16 + 0.1 * part(7));
-        let across = along.cross(Vec3::new(part(8) - 0.5, 1.0, part(9) - 0.5)).normalize() * 0.035;
+        let across = along.cross(Vec3::new(part(8) - 0.5, 1.0, part(9) - 0.5)).normalize() * 0.055;
         let first = positions.len() as u32;
         positions.extend([middle, middle + along * 0.5 - across, middle + along]);
         positions.push(middle + along * 0.5 + across);

@@ -73,6 +73,7 @@ pub(crate) fn rounded_down(p: DVec3) -> Vec3 {
 }
 
 /// The next single-precision numbers above, so that a box surely holds `p`.
+#[inline(always)]
 pub(crate) fn rounded_up(p: DVec3) -> Vec3 {
     Vec3::new((p.x as f32).next_up(), (p.y as f32).next_up(), (p.z as f32).next_up())
 }

@@ -217,6 +217,7 @@ impl Instance {
     }
 
     /// How far off single precision may place what is within `bounds`, along each axis of the world.
+    #[inline(always)]
     fn rounding(&self, bounds: &Aabb) -> DVec3 {
         /// A little more than four roundings, and what is lost where numbers are too small for one.
         const ROUNDINGS: f64 = 4.1 * (f32::EPSILON / 2.0) as f64;

@@ -82,6 +82,7 @@ impl Turn {
 
 impl Nearest {
     /// Takes the place of what is farther, and tells whether it did; of equal ones the first stays.
+    #[inline(always)]
     fn keep(self, nearest: &mut Option<Self>) -> bool {
         let sooner = |n: &Self| (self.t, self.turn, self.primitive) < (n.t, n.turn, n.primitive);
         let keep = nearest.as_ref().is_none_or(sooner);
@@ -717,22 +718,39 @@ impl Surfaces {
         let turn = Turn::within(i, self.instances()[i as usize].after);
         let exact = TriangleRay::new(ray);
         let reach = nearest.map_or(reach, |nearest| reach.min(nearest.t));
-        self.each_in_instance(ray, i, Order::Nearest, reach, &mut |primitive, [a, b, c]| {
-            if let Some(hit) = exact.intersect(a, b, c) {
-                Nearest { t: hit.t, turn, primitive, uv: [hit.u, hit.v] }.keep(nearest);
-            }
-            nearest.map_or(f64::INFINITY, |nearest| nearest.t)
-        });
+        self.each_in_instance(
+            ray,
+            i,
+            Order::Nearest,
+            reach,
+            #[inline(always)]
+            |primitive, [a, b, c]| {
+                if let Some(hit) = exact.intersect(a, b, c) {
+                    Nearest { t: hit.t, turn, primitive, uv: [hit.u, hit.v] }.keep(nearest);
+                }
+                match nearest {
+                    Some(nearest) => nearest.t,
+                    None => f64::INFINITY,
+                }
+            },
+        );
     }
 
     /// Whether a ray meets anything in an instance.
     fn instance_blocks(&self, ray: &Ray, i: u32) -> bool {
         let exact = TriangleRay::new(ray);
         let mut blocked = false;
-        self.each_in_instance(ray, i, Order::Any, f64::INFINITY, &mut |_, [a, b, c]| {
-            blocked = exact.intersect(a, b, c).is_some();
-            if blocked { ENOUGH } else { f64::INFINITY }
-        });
+        self.each_in_instance(
+            ray,
+            i,
+            Order::Any,
+            f64::INFINITY,
+            #[inline(always)]
+            |_, [a, b, c]| {
+                blocked = exact.intersect(a, b, c).is_some();
+                if blocked { ENOUGH } else { f64::INFINITY }
+            },
+        );
         blocked
     }
 
@@ -744,7 +762,7 @@ impl Surfaces {
         i: u32,
         order: Order,
         reach: f64,
-        look_at: &mut impl FnMut(u32, [Vec3; 3]) -> f64,
+        look_at: impl FnMut(u32, [Vec3; 3]) -> f64,
     ) {
         with_vectors!(
             self.level,
@@ -761,7 +779,7 @@ impl Surfaces {
         i: u32,
         order: Order,
         reach: f64,
-        look_at: &mut impl FnMut(u32, [Vec3; 3]) -> f64,
+        mut look_at: impl FnMut(u32, [Vec3; 3]) -> f64,
     ) {
         let instance = &self.instances()[i as usize];
         let mesh = self.mesh_of(instance);
@@ -873,7 +891,7 @@ impl Surfaces {
             return;
         }
         let instance = number & !INSTANCE;
-        self.each_in_instance(ray, instance, Order::Any, f64::INFINITY, &mut |primitive, _| {
+        self.each_in_instance(ray, instance, Order::Any, f64::INFINITY, |primitive, _| {
             look_at(Some(instance), primitive);
             f64::INFINITY
         });
