@@ -73,11 +73,21 @@ const LOST: &[u8] = include_bytes!("energy.bin");
 impl Loss {
     /// For facets that reflect everything; `roughness` from 0 to 1.
     pub(super) fn conductor(roughness: f32) -> Self {
+        Self::metal(roughness).averaged()
+    }
+
+    /// The same with a [`mean`](Self::mean) that is still to be found.
+    pub(super) fn metal(roughness: f32) -> Self {
         Self::new(roughness, Table::Conductor, &CONDUCTOR, 0.0, 1.0)
     }
 
     /// For clear facets, with the index beyond over that before them.
     pub(super) fn dielectric(roughness: f32, eta: f32) -> Self {
+        Self::glass(roughness, eta).averaged()
+    }
+
+    /// The same with a [`mean`](Self::mean) that is still to be found.
+    pub(super) fn glass(roughness: f32, eta: f32) -> Self {
         let (shape, index) = if eta > 1.0 { (OUTSIDE, eta) } else { (INSIDE, 1.0 / eta) };
         let (least, most) = (*INDICES.start(), *INDICES.end());
         let log = |index: f32| real::ln(index.clamp(least, most) - 1.0);
@@ -94,7 +104,7 @@ impl Loss {
         let row = roughness * (shape.roughnesses - 1) as f32;
         let whole = |x: f32, n: usize| (x as usize).min(n.saturating_sub(2));
         let (i, r) = (whole(index, shape.indices), whole(row, shape.roughnesses));
-        let mut loss = Self {
+        Self {
             alpha,
             half_way,
             critical,
@@ -105,7 +115,17 @@ impl Loss {
             denser: index - i as f32,
             mean: 0.0,
             density: FRAC_1_PI / real::ln(1.0 + 1.0 / (alpha * alpha)),
-        };
+        }
+    }
+
+    /// The same with a mean from elsewhere.
+    pub(super) fn with_mean(self, mean: f32) -> Self {
+        Self { mean, ..self }
+    }
+
+    /// The same with its mean.
+    fn averaged(self) -> Self {
+        let (mut loss, alpha) = (self, self.alpha);
         // Steps that are even in the logarithm of μ + α: most is lost at small angles.
         const STEPS: u32 = 512;
         let range = real::ln(1.0 + 1.0 / alpha);

@@ -1,0 +1,212 @@
+//! What a glossy layer reflects in all, and what its facets lose, from tables.
+//!
+//! A layer over another must know how much light it leaves to it. That is an
+//! integral over all directions, and by roughness, angle and index a smooth
+//! function: `gloss.bin` holds it in 16-bit fractions in little-endian order.
+//! `examples/bake_gloss.rs` wrote it and can write it again; a test below
+//! computes entries another way.
+//!
+//! Reflection by Fresnel's equations is split into what is there at normal
+//! incidence and how it rises towards grazing. The first is 1 minus the loss of
+//! `energy.rs`, the second is tabulated here as a mean over what facets send
+//! on, so that any colour at normal incidence follows from the two. Means over
+//! all directions are tabulated as well: a layer must be cheap to make, because
+//! textures make one at every hit.
+//!
+//! Source: as for `energy.rs`; OpenPBR Surface specification 1.1, 2024, section
+//! on albedo scaling.
+
+use super::energy::Loss;
+use super::fresnel::Fresnel;
+use rutilant_geom::{Vec3, real};
+
+/// Indices, roughnesses and angles of the rise.
+const RISE: [usize; 3] = [16, 16, 33];
+const RISE_MEANS: usize = 16 * 16 * 33;
+/// Roughnesses, anisotropies, directions around the normal, and angles.
+const STRETCHED: [usize; 4] = [12, 7, 5, 24];
+const STRETCHED_START: usize = RISE_MEANS + 16 * 16;
+const STRETCHED_MEANS: usize = STRETCHED_START + 12 * 7 * 5 * 24;
+/// Roughnesses of metal.
+const METAL: usize = 32;
+const METAL_MEANS: usize = STRETCHED_MEANS + 12 * 7;
+/// Indices and roughnesses of glass.
+const GLASS: [usize; 2] = [24, 24];
+const GLASS_MEANS: usize = METAL_MEANS + METAL;
+/// Roughnesses and angles of sheen.
+const SHEEN: [usize; 2] = [16, 32];
+const SHEEN_START: usize = GLASS_MEANS + 2 * 24 * 24;
+
+/// The least roughness of sheen in the table.
+pub(super) const LEAST_SHEEN: f32 = 0.3;
+
+/// The indices of refraction in the tables, stepped evenly in the logarithm of index - 1.
+const INDICES: std::ops::RangeInclusive<f32> = 1.04..=10.0;
+
+const TABLES: &[u8] = include_bytes!("gloss.bin");
+
+fn entry(i: usize) -> f32 {
+    let bytes = TABLES.get(2 * i..2 * i + 2);
+    bytes.map_or(0.0, |b| f32::from(u16::from_le_bytes([b[0], b[1]])) * (1.0 / 65535.0))
+}
+
+/// Where a number lies between two steps of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    first: u32,
+    /// How far on the way to the next step, 0 to 1.
+    along: f32,
+}
+
+impl Step {
+    /// Of `part` (0 to 1) of the way over `n` steps.
+    fn at(part: f32, n: usize) -> Self {
+        let place = part.clamp(0.0, 1.0) * (n - 1) as f32;
+        let first = (place as usize).min(n - 2);
+        Self { first: first as u32, along: place - first as f32 }
+    }
+
+    /// Of an index of refraction, above 1 or below.
+    fn of_index(eta: f32, n: usize) -> Self {
+        let (least, most) = (*INDICES.start(), *INDICES.end());
+        let log = |index: f32| real::ln(index.clamp(least, most) - 1.0);
+        Self::at((log(eta.max(1.0 / eta)) - log(least)) / (log(most) - log(least)), n)
+    }
+
+    /// Between what is at the two steps.
+    fn between(self, at: impl Fn(usize) -> f32) -> f32 {
+        let first = self.first as usize;
+        let (a, b) = (at(first), at(first + 1));
+        a + (b - a) * self.along
+    }
+}
+
+/// Loss by metal with its mean from the table; `roughness` from 0 to 1.
+pub(super) fn metal_loss(roughness: f32) -> Loss {
+    let mean = Step::at(roughness, METAL).between(|r| entry(METAL_MEANS + r));
+    Loss::metal(roughness).with_mean(mean)
+}
+
+/// Loss by glass with its mean from the table; `eta` is the index beyond over that before.
+pub(super) fn glass_loss(roughness: f32, eta: f32) -> Loss {
+    let [indices, roughnesses] = GLASS;
+    let start = GLASS_MEANS + if eta < 1.0 { indices * roughnesses } else { 0 };
+    let rough = Step::at(roughness, roughnesses);
+    let mean = Step::of_index(eta, indices)
+        .between(|n| rough.between(|r| entry(start + n * roughnesses + r)));
+    Loss::glass(roughness, eta).with_mean(mean)
+}
+
+/// How the reflection of a dielectric rises from 0 at normal incidence to 1 at grazing, as a mean
+/// over facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rise {
+    index: Step,
+    roughness: Step,
+    /// The mean over the cosine-weighted hemisphere, of all light and not of what is sent on.
+    pub(super) mean: f32,
+}
+
+impl Rise {
+    /// Of an index of refraction, above 1 or below, and a roughness from 0 to 1.
+    pub(super) fn new(eta: f32, roughness: f32) -> Self {
+        let [indices, roughnesses, _] = RISE;
+        let (index, roughness) =
+            (Step::of_index(eta, indices), Step::at(roughness, roughnesses));
+        let entry = |n, r| entry(RISE_MEANS + n * roughnesses + r);
+        let mean = index.between(|n| roughness.between(|r| entry(n, r)));
+        Self { index, roughness, mean }
+    }
+
+    /// The mean over what facets send on of the light that leaves under the cosine `mu`.
+    pub(super) fn at(&self, mu: f32) -> f32 {
+        let [_, roughnesses, angles] = RISE;
+        let angle = Step::at(mu, angles);
+        self.index.between(|n| {
+            self.roughness
+                .between(|r| angle.between(|a| entry((n * roughnesses + r) * angles + a)))
+        })
+    }
+
+    /// The same of a smooth surface: how far `reflected`, which Fresnel's equations say for some
+    /// angle, has risen from what they say at normal incidence.
+    pub(super) fn of_smooth(reflected: f32, eta: f32) -> f32 {
+        let normal = normal_reflectance(eta);
+        ((reflected - normal) / (1.0 - normal)).clamp(0.0, 1.0)
+    }
+
+    /// The part of diffuse light from the thinner side that crosses a smooth border of index `eta`.
+    pub(super) fn mean_transmittance(eta: f32) -> f32 {
+        (1.0 - normal_reflectance(eta)) * (1.0 - Self::new(eta, 0.0).mean)
+    }
+}
+
+/// What Fresnel's equations say at normal incidence.
+pub(super) fn normal_reflectance(eta: f32) -> f32 {
+    Fresnel::Exact.dielectric(1.0, eta).0
+}
+
+/// What is lost by metal that is steeper along x than along y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StretchedLoss {
+    roughness: Step,
+    anisotropy: Step,
+    along: f32,
+    across: f32,
+    /// The mean over the cosine-weighted hemisphere.
+    pub(super) mean: f32,
+}
+
+impl StretchedLoss {
+    /// `along` and `across` are α along x and y: the second is the square of `roughness`, the
+    /// first lies between it and 1 in proportion to the square of `anisotropy`.
+    pub(super) fn new(roughness: f32, anisotropy: f32, [along, across]: [f32; 2]) -> Self {
+        let [roughnesses, anisotropies, ..] = STRETCHED;
+        let roughness = Step::at(roughness, roughnesses);
+        let anisotropy = Step::at(anisotropy, anisotropies);
+        let entry = |r, s| entry(STRETCHED_MEANS + r * anisotropies + s);
+        let mean = roughness.between(|r| anisotropy.between(|s| entry(r, s)));
+        Self { roughness, anisotropy, along, across, mean }
+    }
+
+    /// The part lost of light that leaves or arrives along `w`.
+    pub(super) fn at(&self, w: Vec3) -> f32 {
+        let [_, anisotropies, turns, angles] = STRETCHED;
+        // How steep facets are in the direction of `w`.
+        let (x, y) = (self.along * w.x, self.across * w.y);
+        let across2 = w.x * w.x + w.y * w.y;
+        let seen = if across2 > 0.0 { ((x * x + y * y) / across2).sqrt() } else { self.across };
+        let turn = Step::at((seen - self.across) / (self.along - self.across), turns);
+        let half_way = seen / (1.0 + 2.0 * seen * seen);
+        let mu = w.z.abs();
+        let angle = Step::at(mu * (1.0 + half_way) / (mu + half_way), angles);
+        let entry = |r, s, t, a| {
+            entry(STRETCHED_START + ((r * anisotropies + s) * turns + t) * angles + a)
+        };
+        self.roughness.between(|r| {
+            self.anisotropy
+                .between(|s| turn.between(|t| angle.between(|a| entry(r, s, t, a))))
+        })
+    }
+}
+
+/// Where sheen of some roughness stands in its table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SheenAlbedo {
+    roughness: Step,
+}
+
+impl SheenAlbedo {
+    /// `roughness` from [`LEAST_SHEEN`] to 1.
+    pub(super) fn new(roughness: f32) -> Self {
+        let [roughnesses, _] = SHEEN;
+        Self { roughness: Step::at((roughness - LEAST_SHEEN) / (1.0 - LEAST_SHEEN), roughnesses) }
+    }
+
+    /// What white sheen sends back of the light that leaves under the cosine `mu`.
+    pub(super) fn at(&self, mu: f32) -> f32 {
+        let [_, angles] = SHEEN;
+        let angle = Step::at(mu.sqrt(), angles);
+        self.roughness.between(|r| angle.between(|a| entry(SHEEN_START + r * angles + a)))
+    }
+}
