@@ -14,13 +14,10 @@ use std::process::ExitCode;
 
 /// In the order of the file: indices, roughnesses and angles of what Fresnel's equations add to
 /// the reflection at normal incidence; then the means over angles.
-const GLOSS: [usize; 3] = [16, 16, 33];
+const GLOSS: [usize; 3] = [16, 24, 41];
 /// Roughnesses, anisotropies, directions around the normal and angles of what is lost by metal
 /// that is rougher one way than the other; then the means over angles.
-const STRETCHED: [usize; 4] = [12, 7, 5, 24];
-/// Means of the tables of `bsdf/energy.bin`: metal by roughness, then glass from outside and from
-/// inside by index and roughness.
-const MEANS: [usize; 3] = [32, 24, 24];
+const STRETCHED: [usize; 4] = [12, 11, 6, 28];
 /// Roughnesses and angles of sheen.
 const SHEEN: [usize; 2] = [16, 32];
 
@@ -49,7 +46,8 @@ fn main() -> ExitCode {
         for r in 0..roughnesses {
             let alpha = alpha(part(r, roughnesses));
             for a in 0..angles {
-                let mu = part(a, angles).max(1e-4);
+                // Denser towards grazing.
+                let mu = (part(a, angles) * part(a, angles)).max(1e-5);
                 let all = sent_on([alpha; 2], [mu, 0.0], 64, |_| 1.0);
                 put(sent_on([alpha; 2], [mu, 0.0], 64, |cos| rise.at(cos)) / all);
             }
@@ -87,27 +85,11 @@ fn main() -> ExitCode {
                 let around = 0.5 * PI * (f64::from(i) + 0.5) / f64::from(steps);
                 mean(|mu| 1.0 - sent_on([along, across], [mu, around], 48, |_| 1.0))
             });
-            means.push(over_turns.sum::<f64>() / f64::from(steps));
+            let mean = over_turns.sum::<f64>() / f64::from(steps);
+            means.push(mean / usual((0.5 * (along * along + across * across)).sqrt()));
         }
     }
     means.into_iter().for_each(&mut put);
-
-    // The means of what is lost by metal and by glass.
-    let [metals, indices, roughnesses] = MEANS;
-    for r in 0..metals {
-        let alpha = alpha(part(r, metals));
-        put(mean(|mu| 1.0 - sent_on([alpha; 2], [mu, 0.0], 64, |_| 1.0)));
-    }
-    for inside in [false, true] {
-        for n in 0..indices {
-            let index = index(n, indices);
-            let eta = if inside { 1.0 / index } else { index };
-            for r in 0..roughnesses {
-                let alpha = alpha(part(r, roughnesses));
-                put(mean(|mu| 1.0 - glass_sends_on(alpha, mu, eta)));
-            }
-        }
-    }
 
     // What sheen sends back.
     let [roughnesses, angles] = SHEEN;
@@ -135,6 +117,11 @@ fn part(i: usize, n: usize) -> f64 {
 /// α of a roughness; that of roughness 0 is a limit.
 fn alpha(roughness: f64) -> f64 {
     roughness.max(0.01) * roughness.max(0.01)
+}
+
+/// About what facets lose in the mean. Means are stored in parts of it: they change little.
+fn usual(alpha: f64) -> f64 {
+    alpha * alpha * (1.0 - 2.0 * libm::log(alpha))
 }
 
 /// Indices are stepped evenly in the logarithm of index - 1.
@@ -171,33 +158,34 @@ fn sent_on(
     let length_o = length(wo);
     let from = [along * wo[0] / length_o, across * wo[1] / length_o, mu / length_o];
     let mut sum = 0.0;
-    for m in seen_facets([along, across], from, facets) {
+    for (m, weight) in seen_facets([along, across], from, facets) {
         let cos = wo[0] * m[0] + wo[1] * m[1] + wo[2] * m[2];
         let wi = [0, 1, 2].map(|k| 2.0 * cos * m[k] - wo[k]);
         if wi[2] > 0.0 {
             // G2 / G1, heights correlated.
             let hidden = mu * length(wi) + wi[2] * length_o;
-            sum += reflects(cos.clamp(0.0, 1.0)) * wi[2] * (mu + length_o) / hidden;
+            sum += weight * reflects(cos.clamp(0.0, 1.0)) * wi[2] * (mu + length_o) / hidden;
         }
     }
     sum / (facets * facets) as f64
 }
 
-/// The normals of facets as often as they are seen from a direction that is squeezed already.
+/// The normals of facets as often as they are seen from a direction that is squeezed already, with
+/// their weights: steep ones, of which much depends, are more and weigh less.
 fn seen_facets(
     [along, across]: [f64; 2],
     from: [f64; 3],
     facets: usize,
-) -> impl Iterator<Item = [f64; 3]> {
+) -> impl Iterator<Item = ([f64; 3], f64)> {
     (0..facets * facets).map(move |i| {
         let turn = 2.0 * PI * ((i / facets) as f64 + 0.5) / facets as f64;
-        let u = ((i % facets) as f64 + 0.5) / facets as f64;
-        let z = (1.0 - u) * (1.0 + from[2]) - from[2];
+        let left = 1.0 - ((i % facets) as f64 + 0.5) / facets as f64;
+        let z = left * left * left * (1.0 + from[2]) - from[2];
         let r = (1.0 - z * z).max(0.0).sqrt();
         let (s, c) = libm::sincos(turn);
         let m = [along * (r * c + from[0]), across * (r * s + from[1]), z + from[2]];
         let length = (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]).sqrt();
-        m.map(|x| x / length)
+        (m.map(|x| x / length), 3.0 * left * left)
     })
 }
 
@@ -227,28 +215,6 @@ fn fresnel(cos: f64, eta: f64) -> (f64, f64) {
     let parallel = (eta * cos - cos_t) / (eta * cos + cos_t);
     let perpendicular = (cos - eta * cos_t) / (cos + eta * cos_t);
     (0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t)
-}
-
-/// What facets of glass send on, to both sides.
-fn glass_sends_on(alpha: f64, mu: f64, eta: f64) -> f64 {
-    let facets = 48;
-    let squeezed = |z: f64| (z * z + alpha * alpha * (1.0 - z * z).max(0.0)).sqrt();
-    let (x, length_o) = ((1.0 - mu * mu).sqrt(), squeezed(mu));
-    let mut sum = 0.0;
-    for m in seen_facets([alpha; 2], [alpha * x / length_o, 0.0, mu / length_o], facets) {
-        let cos = (x * m[0] + mu * m[2]).clamp(0.0, 1.0);
-        let (reflected, cos_t) = fresnel(cos, eta);
-        let up = 2.0 * cos * m[2] - mu;
-        if up > 0.0 {
-            sum += reflected * up * (mu + length_o) / (mu * squeezed(up) + up * length_o);
-        }
-        let down = mu / eta - (cos / eta - cos_t) * m[2];
-        if reflected < 1.0 && down > 0.0 {
-            // G1 of the far side.
-            sum += (1.0 - reflected) * 2.0 * down / (down + squeezed(down));
-        }
-    }
-    sum / (facets * facets) as f64
 }
 
 /// What sheen sends back of the light that leaves at a cosine: Estevez and Kulla 2017, equations

@@ -16,26 +16,19 @@
 //! Source: as for `energy.rs`; OpenPBR Surface specification 1.1, 2024, section
 //! on albedo scaling.
 
-use super::energy::Loss;
 use super::fresnel::Fresnel;
 use rutilant_geom::{Vec3, real};
 
 /// Indices, roughnesses and angles of the rise.
-const RISE: [usize; 3] = [16, 16, 33];
-const RISE_MEANS: usize = 16 * 16 * 33;
+const RISE: [usize; 3] = [16, 24, 41];
+const RISE_MEANS: usize = 16 * 24 * 41;
 /// Roughnesses, anisotropies, directions around the normal, and angles.
-const STRETCHED: [usize; 4] = [12, 7, 5, 24];
-const STRETCHED_START: usize = RISE_MEANS + 16 * 16;
-const STRETCHED_MEANS: usize = STRETCHED_START + 12 * 7 * 5 * 24;
-/// Roughnesses of metal.
-const METAL: usize = 32;
-const METAL_MEANS: usize = STRETCHED_MEANS + 12 * 7;
-/// Indices and roughnesses of glass.
-const GLASS: [usize; 2] = [24, 24];
-const GLASS_MEANS: usize = METAL_MEANS + METAL;
+const STRETCHED: [usize; 4] = [12, 11, 6, 28];
+const STRETCHED_START: usize = RISE_MEANS + 16 * 24;
+const STRETCHED_MEANS: usize = STRETCHED_START + 12 * 11 * 6 * 28;
 /// Roughnesses and angles of sheen.
 const SHEEN: [usize; 2] = [16, 32];
-const SHEEN_START: usize = GLASS_MEANS + 2 * 24 * 24;
+const SHEEN_START: usize = STRETCHED_MEANS + 12 * 11;
 
 /// The least roughness of sheen in the table.
 pub(super) const LEAST_SHEEN: f32 = 0.3;
@@ -81,20 +74,9 @@ impl Step {
     }
 }
 
-/// Loss by metal with its mean from the table; `roughness` from 0 to 1.
-pub(super) fn metal_loss(roughness: f32) -> Loss {
-    let mean = Step::at(roughness, METAL).between(|r| entry(METAL_MEANS + r));
-    Loss::metal(roughness).with_mean(mean)
-}
-
-/// Loss by glass with its mean from the table; `eta` is the index beyond over that before.
-pub(super) fn glass_loss(roughness: f32, eta: f32) -> Loss {
-    let [indices, roughnesses] = GLASS;
-    let start = GLASS_MEANS + if eta < 1.0 { indices * roughnesses } else { 0 };
-    let rough = Step::at(roughness, roughnesses);
-    let mean = Step::of_index(eta, indices)
-        .between(|n| rough.between(|r| entry(start + n * roughnesses + r)));
-    Loss::glass(roughness, eta).with_mean(mean)
+/// About what facets of this α lose in the mean. Means are stored in parts of it.
+fn usual_loss(alpha: f32) -> f32 {
+    alpha * alpha * (1.0 - 2.0 * real::ln(alpha))
 }
 
 /// How the reflection of a dielectric rises from 0 at normal incidence to 1 at grazing, as a mean
@@ -120,10 +102,19 @@ impl Rise {
 
     /// The mean over what facets send on of the light that leaves under the cosine `mu`.
     pub(super) fn at(&self, mu: f32) -> f32 {
+        self.of(self.roughness, mu)
+    }
+
+    /// The same where facets have another roughness in the direction of that light.
+    pub(super) fn at_roughness(&self, mu: f32, roughness: f32) -> f32 {
+        self.of(Step::at(roughness, RISE[1]), mu)
+    }
+
+    fn of(&self, roughness: Step, mu: f32) -> f32 {
         let [_, roughnesses, angles] = RISE;
-        let angle = Step::at(mu, angles);
+        let angle = Step::at(mu.sqrt(), angles);
         self.index.between(|n| {
-            self.roughness
+            roughness
                 .between(|r| angle.between(|a| entry((n * roughnesses + r) * angles + a)))
         })
     }
@@ -165,17 +156,30 @@ impl StretchedLoss {
         let roughness = Step::at(roughness, roughnesses);
         let anisotropy = Step::at(anisotropy, anisotropies);
         let entry = |r, s| entry(STRETCHED_MEANS + r * anisotropies + s);
-        let mean = roughness.between(|r| anisotropy.between(|s| entry(r, s)));
+        let part = roughness.between(|r| anisotropy.between(|s| entry(r, s)));
+        let mean = part * usual_loss((0.5 * (along * along + across * across)).sqrt());
         Self { roughness, anisotropy, along, across, mean }
+    }
+
+    /// α of facets alike in all directions that do to light along `w` nearly what these do: what
+    /// they have in that direction where it is grazing, and the mean of both ways from above.
+    pub(super) fn equal_alpha(&self, w: Vec3) -> f32 {
+        let (along2, across2) = (self.along * self.along, self.across * self.across);
+        let mean = 0.5 * (along2 + across2);
+        (mean * w.z * w.z + along2 * w.x * w.x + across2 * w.y * w.y).sqrt().min(1.0)
+    }
+
+    /// How steep facets are in the direction of `w`: their α there.
+    fn steepness(&self, w: Vec3) -> f32 {
+        let (x, y) = (self.along * w.x, self.across * w.y);
+        let across2 = w.x * w.x + w.y * w.y;
+        if across2 > 0.0 { ((x * x + y * y) / across2).sqrt() } else { self.across }
     }
 
     /// The part lost of light that leaves or arrives along `w`.
     pub(super) fn at(&self, w: Vec3) -> f32 {
         let [_, anisotropies, turns, angles] = STRETCHED;
-        // How steep facets are in the direction of `w`.
-        let (x, y) = (self.along * w.x, self.across * w.y);
-        let across2 = w.x * w.x + w.y * w.y;
-        let seen = if across2 > 0.0 { ((x * x + y * y) / across2).sqrt() } else { self.across };
+        let seen = self.steepness(w);
         let turn = Step::at((seen - self.across) / (self.along - self.across), turns);
         let half_way = seen / (1.0 + 2.0 * seen * seen);
         let mu = w.z.abs();

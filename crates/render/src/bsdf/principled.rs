@@ -164,6 +164,8 @@ struct Glass {
 /// What is lost and given back, seen from one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Side {
+    /// Index of refraction beyond over that on this side.
+    eta: f32,
     loss: Loss,
     /// The part of what is lost that crosses the border when it is given back.
     crossing: f32,
@@ -333,7 +335,7 @@ impl Principled {
         }
 
         // What facets lose, and how much of it metal and gloss give back.
-        let loss = gloss::metal_loss(steepness);
+        let loss = Loss::metal(steepness).roughly_averaged();
         let stretched = is_stretched
             .then(|| StretchedLoss::new(across.sqrt(), its.anisotropy, [along, across]));
         let mean_lost = stretched.map_or(loss.mean, |s| s.mean);
@@ -355,7 +357,10 @@ impl Principled {
         // The border that light crosses.
         let ratio = its.eta.max(1.0 / its.eta);
         if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
-            layers.border = Some(Glass::new(its.eta, (along * across).sqrt().sqrt()));
+            // Stretched facets give back a little less than they lose: what is lost is not known
+            // well enough for more, and no light may be made.
+            let more = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
+            layers.border = Some(Glass::new(its.eta, steepness, more));
         }
         layers
     }
@@ -572,17 +577,22 @@ impl Principled {
             base += many * (view.lost * facets.lost(wi) * i * FRAC_1_PI / facets.loss.mean);
             pdf += ways.many * facets.loss.pdf(i);
         }
-        if let (Some(glass), true) = (&self.border, ways.many_glass > 0.0) {
+        if let (Some(glass), Some(facets)) = (&self.border, &self.facets) {
             let (side, _) = glass.seen_from(view.outside);
             let returning = 1.0 - side.crossing;
-            let lobe = side.loss.at(o) * side.loss.at(i) * i * (FRAC_1_PI / side.loss.mean);
+            let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(side, wi);
+            let lobe = lost * i * (FRAC_1_PI / side.loss.mean);
             base += Spectrum::splat(self.clear * returning * lobe);
             pdf += ways.many_glass * returning * side.loss.pdf(i);
         }
 
         // The matte body below gloss.
         if ways.matte > 0.0 {
-            let through = self.opaque * view.left * self.left(wi) / self.mean_left;
+            // From flat to rough clay, which does not send light on evenly, the share that
+            // `wi` has in what gloss takes goes over to `wo`.
+            let roughness = self.its.diffuse_roughness;
+            let entering = self.left(wi) / self.mean_left;
+            let through = self.opaque * view.left * (entering + (1.0 - entering) * roughness);
             if self.its.diffuse_roughness == 0.0 {
                 base += self.matte.albedo() * (through * i * FRAC_1_PI);
                 pdf += ways.matte * warp::cosine_hemisphere_pdf(i);
@@ -625,7 +635,8 @@ impl Principled {
         // Through a rough border: by one facet and by several.
         if let (Some(glass), Some(facets), true) = (&self.border, &self.facets, ways.facet > 0.0) {
             let (side, beyond) = glass.seen_from(view.outside);
-            let lobe = side.loss.at(o) * beyond.loss.at(i) * i * (FRAC_1_PI / beyond.loss.mean);
+            let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(beyond, wi);
+            let lobe = lost * i * (FRAC_1_PI / beyond.loss.mean);
             let many = self.clear * side.crossing * lobe / (eta * eta);
             pdf += ways.many_glass * side.crossing * beyond.loss.pdf(i);
             value += self.its.base_color * many;
@@ -696,7 +707,7 @@ impl Principled {
         };
         let below_coat = below_sheen * (1.0 - coat);
         let lost = self.facets.as_ref().map_or(0.0, |f| f.lost(wo));
-        let left = self.left_of(lost, o);
+        let left = self.left_of(lost, wo);
 
         // What each sends on, of white light.
         let its = &self.its;
@@ -719,11 +730,11 @@ impl Principled {
             ways.mirror += below_coat * self.clear * crossing.reflected.max_channel();
             ways.window = below_coat * self.clear * crossing.passed * color;
         }
-        if self.facets.is_some() {
+        if let Some(facets) = &self.facets {
             ways.facet = below_coat * (1.0 - lost) * reflected;
             ways.many = below_coat * lost * self.many().max_channel();
             if let Some(glass) = &self.border {
-                let lost = glass.seen_from(outside).0.loss.at(o);
+                let lost = facets.lost_by_glass(glass.seen_from(outside).0, wo);
                 ways.facet += below_coat * self.clear * (1.0 - lost);
                 ways.many_glass = below_coat * self.clear * lost;
             } else if self.clear > 0.0 && its.thin_walled {
@@ -823,10 +834,11 @@ impl Principled {
 
     /// What gloss leaves to a matte body of light along `w`.
     fn left(&self, w: Vec3) -> f32 {
-        self.left_of(self.facets.as_ref().map_or(0.0, |f| f.lost(w)), w.z.abs())
+        self.left_of(self.facets.as_ref().map_or(0.0, |f| f.lost(w)), w)
     }
 
-    fn left_of(&self, lost: f32, mu: f32) -> f32 {
+    fn left_of(&self, lost: f32, w: Vec3) -> f32 {
+        let mu = w.z.abs();
         let [normal, grazing] = self.most;
         let reflected = match &self.facets {
             None => {
@@ -835,7 +847,7 @@ impl Principled {
                 normal + (grazing - normal) * Rise::of_smooth(reflected, eta)
             }
             Some(facets) => {
-                let once = (1.0 - lost) * (normal + (grazing - normal) * facets.rise.at(mu));
+                let once = (1.0 - lost) * (normal + (grazing - normal) * facets.rise(w));
                 once + lost * facets.many_gloss.max_channel()
             }
         };
@@ -983,19 +995,42 @@ impl Facets {
     fn lost(&self, w: Vec3) -> f32 {
         self.stretched.map_or_else(|| self.loss.at(w.z.abs()), |s| s.at(w))
     }
+
+    /// How the reflection of gloss rises towards grazing, for light along `w`.
+    fn rise(&self, w: Vec3) -> f32 {
+        let mu = w.z.abs();
+        match &self.stretched {
+            None => self.rise.at(mu),
+            Some(stretched) => self.rise.at_roughness(mu, stretched.equal_alpha(w).sqrt()),
+        }
+    }
+
+    /// What a border that light crosses loses along `w`, seen from `side`: where facets are steeper
+    /// one way than the other, in proportion to what metal does.
+    fn lost_by_glass(&self, side: &Side, w: Vec3) -> f32 {
+        let mu = w.z.abs();
+        let Some(stretched) = &self.stretched else { return side.loss.at(mu) };
+        let roughness = stretched.equal_alpha(w).sqrt();
+        let usual = Loss::metal(roughness).at(mu);
+        let lost = Loss::glass(roughness, side.eta).at(mu);
+        if usual > 0.0 { (lost * stretched.at(w) / usual).min(1.0) } else { lost }
+    }
 }
 
 impl Glass {
-    /// As [`RoughDielectric::new`], with means from tables.
-    fn new(eta: f32, roughness: f32) -> Self {
-        let above = gloss::glass_loss(roughness, eta);
-        let below = gloss::glass_loss(roughness, 1.0 / eta);
+    /// As [`RoughDielectric::new`], but more is lost in the mean by a factor.
+    fn new(eta: f32, roughness: f32, more: f32) -> Self {
+        let loss = |eta: f32| {
+            let loss = Loss::glass(roughness, eta).roughly_averaged();
+            loss.with_mean((loss.mean * more).min(1.0))
+        };
+        let (above, below) = (loss(eta), loss(1.0 / eta));
         // From the denser side so much less crosses.
         let denser = if eta < 1.0 { eta * eta } else { 1.0 };
         let through = Rise::mean_transmittance(eta) * denser / above.mean.max(below.mean);
         Self {
-            above: Side { loss: above, crossing: through * below.mean },
-            below: Side { loss: below, crossing: through * above.mean / (eta * eta) },
+            above: Side { eta, loss: above, crossing: through * below.mean },
+            below: Side { eta: 1.0 / eta, loss: below, crossing: through * above.mean / (eta * eta) },
         }
     }
 
