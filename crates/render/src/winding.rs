@@ -65,6 +65,9 @@ fn glass_mesh<'s>(object: &Object, scene: &'s Scene) -> Option<&'s Mesh> {
     let material = &scene.materials[object.material.0 as usize];
     match (&object.shape, &material.kind) {
         (Shape::Mesh(id), MaterialKind::Dielectric(_)) => Some(&scene.meshes[id.0 as usize]),
+        (Shape::Mesh(id), MaterialKind::Principled(p)) if p.has_inside() => {
+            Some(&scene.meshes[id.0 as usize])
+        }
         _ => None,
     }
 }

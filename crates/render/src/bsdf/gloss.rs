@@ -93,8 +93,7 @@ impl Rise {
     /// Of an index of refraction, above 1 or below, and a roughness from 0 to 1.
     pub(super) fn new(eta: f32, roughness: f32) -> Self {
         let [indices, roughnesses, _] = RISE;
-        let (index, roughness) =
-            (Step::of_index(eta, indices), Step::at(roughness, roughnesses));
+        let (index, roughness) = (Step::of_index(eta, indices), Step::at(roughness, roughnesses));
         let entry = |n, r| entry(RISE_MEANS + n * roughnesses + r);
         let mean = index.between(|n| roughness.between(|r| entry(n, r)));
         Self { index, roughness, mean }
@@ -114,8 +113,7 @@ impl Rise {
         let [_, roughnesses, angles] = RISE;
         let angle = Step::at(mu.sqrt(), angles);
         self.index.between(|n| {
-            roughness
-                .between(|r| angle.between(|a| entry((n * roughnesses + r) * angles + a)))
+            roughness.between(|r| angle.between(|a| entry((n * roughnesses + r) * angles + a)))
         })
     }
 
@@ -184,12 +182,10 @@ impl StretchedLoss {
         let half_way = seen / (1.0 + 2.0 * seen * seen);
         let mu = w.z.abs();
         let angle = Step::at(mu * (1.0 + half_way) / (mu + half_way), angles);
-        let entry = |r, s, t, a| {
-            entry(STRETCHED_START + ((r * anisotropies + s) * turns + t) * angles + a)
-        };
+        let entry =
+            |r, s, t, a| entry(STRETCHED_START + ((r * anisotropies + s) * turns + t) * angles + a);
         self.roughness.between(|r| {
-            self.anisotropy
-                .between(|s| turn.between(|t| angle.between(|a| entry(r, s, t, a))))
+            self.anisotropy.between(|s| turn.between(|t| angle.between(|a| entry(r, s, t, a))))
         })
     }
 }
@@ -212,5 +208,120 @@ impl SheenAlbedo {
         let [_, angles] = SHEEN;
         let angle = Step::at(mu.sqrt(), angles);
         self.roughness.between(|r| angle.between(|a| entry(SHEEN_START + r * angles + a)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::energy::Loss;
+    use crate::bsdf::sheen::Sheen;
+    use crate::color::Spectrum;
+    use crate::math::warp;
+    use rutilant_geom::Vec2;
+
+    /// What facets reflect, each of them some part of the light, by an integral over all facets
+    /// and not only those seen, even in their slopes: the slope is α t / (1 - t) along each axis
+    /// of the stretch. Λ is Heitz 2014, equation 72, as it is printed.
+    fn sent_on([along, across]: [f64; 2], wo: Vec3, reflects: impl Fn(f64) -> f64) -> f64 {
+        let wo = wo.to_array().map(f64::from);
+        let lambda = |w: [f64; 3]| {
+            let slopes = (along * w[0]).powi(2) + (across * w[1]).powi(2);
+            0.5 * ((1.0 + slopes / (w[2] * w[2])).sqrt() - 1.0)
+        };
+        let (slopes, turns) = (800, 400);
+        let mut sum = 0.0;
+        for i in 0..slopes {
+            let t = (f64::from(i) + 0.5) / f64::from(slopes);
+            let tan = t / (1.0 - t);
+            // D cos θ dω of a stretched slope, over a turn.
+            let area = 2.0 * tan / (1.0 + tan * tan).powi(2) / (1.0 - t).powi(2);
+            for k in 0..turns {
+                let turn = std::f32::consts::TAU * (k as f32 + 0.5) / turns as f32;
+                let (s, c) = real::sin_cos(turn);
+                let m = [along * tan * f64::from(c), across * tan * f64::from(s), 1.0];
+                let length = (m[0] * m[0] + m[1] * m[1] + 1.0).sqrt();
+                let m = m.map(|x| x / length);
+                let cos = wo[0] * m[0] + wo[1] * m[1] + wo[2] * m[2];
+                let wi = [0, 1, 2].map(|k| 2.0 * cos * m[k] - wo[k]);
+                if cos > 0.0 && wi[2] > 0.0 {
+                    let seen = cos / (wo[2] * m[2]) / (1.0 + lambda(wo) + lambda(wi));
+                    sum += reflects(cos) * seen * area / f64::from(slopes * turns);
+                }
+            }
+        }
+        sum
+    }
+
+    fn direction(mu: f32, turn: f32) -> Vec3 {
+        let (s, c) = real::sin_cos(turn);
+        let sin = (1.0 - mu * mu).sqrt();
+        Vec3::new(sin * c, sin * s, mu)
+    }
+
+    /// The table of the rise is what it says, at entries and between them.
+    #[test]
+    fn tables_hold_what_gloss_reflects() {
+        for eta in [1.1_f32, 1.5, 2.2] {
+            for roughness in [0.2_f32, 0.5, 0.93] {
+                for mu in [0.05_f32, 0.3, 0.9] {
+                    let alpha = f64::from(roughness * roughness);
+                    let expected = sent_on([alpha; 2], direction(mu, 0.0), |cos| {
+                        let (f, _) = Fresnel::Exact.dielectric((cos as f32).min(1.0), eta);
+                        f64::from(Rise::of_smooth(f, eta))
+                    });
+                    let lost = Loss::conductor(roughness).at(mu);
+                    let got = (1.0 - lost) * Rise::new(eta, roughness).at(mu);
+                    assert!(
+                        (f64::from(got) - expected).abs() < 6e-3,
+                        "{eta} {roughness} {mu}: {got} {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// That of stretched facets, too; without stretch it is that of the others.
+    #[test]
+    fn tables_hold_what_stretched_facets_lose() {
+        for (roughness, anisotropy) in [(0.2_f32, 0.5_f32), (0.5, 0.9), (0.7, 0.35)] {
+            let across = roughness * roughness;
+            let along = across + (1.0 - across) * anisotropy * anisotropy;
+            let table = StretchedLoss::new(roughness, anisotropy, [along, across]);
+            for mu in [0.1, 0.4, 1.0] {
+                for turn in [0.0, 0.6, 1.5] {
+                    let w = direction(mu, turn);
+                    let lost = 1.0 - sent_on([along, across].map(f64::from), w, |_| 1.0);
+                    let got = f64::from(table.at(w));
+                    assert!(
+                        (got - lost).abs() < 0.012,
+                        "{roughness} {anisotropy} {mu} {turn}: {got} {lost}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// Sheen sends back what its table says, and never more than there is.
+    #[test]
+    fn tables_hold_what_sheen_sends_back() {
+        for roughness in [0.3, 0.55, 1.0] {
+            let sheen = Sheen::new(Spectrum::WHITE, roughness).expect("sheen");
+            for mu in [0.02, 0.2, 0.7, 1.0] {
+                let (wo, n) = (direction(mu, 0.0), 40_000);
+                let mut sum = 0.0;
+                for i in 0..n {
+                    let u = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 + 0.5) / n as f32);
+                    let wi = warp::uniform_hemisphere(u);
+                    sum += sheen.eval_cos(wo, wi).max_channel() / warp::UNIFORM_HEMISPHERE_PDF;
+                }
+                let (got, expected) = (sheen.taken(mu), sum / n as f32);
+                assert!((got - expected).abs() < 0.012, "{roughness} {mu}: {got} {expected}");
+            }
+        }
+        for roughness in [0.0, 0.3, 0.31, 0.5, 1.0] {
+            let albedo = SheenAlbedo::new(roughness);
+            assert!((0..=100).all(|i| albedo.at(i as f32 / 100.0) <= 1.0), "{roughness}");
+        }
     }
 }

@@ -378,7 +378,8 @@ impl Principled {
 
     /// True where light crosses the surface without being spread.
     fn is_clear(&self) -> bool {
-        let rough = if self.its.thin_walled { self.facets.is_some() } else { self.border.is_some() };
+        let rough =
+            if self.its.thin_walled { self.facets.is_some() } else { self.border.is_some() };
         self.clear > 0.0 && !rough
     }
 
@@ -611,7 +612,8 @@ impl Principled {
         if let (Some(coat), true) = (&self.coat, ways.coat > 0.0)
             && let (Some(rough), true) = (&coat.rough, length > 0.0)
         {
-            let (length_o, length_i) = (rough.ggx.squeezed_length(wo), rough.ggx.squeezed_length(wi));
+            let (length_o, length_i) =
+                (rough.ggx.squeezed_length(wo), rough.ggx.squeezed_length(wi));
             let density = rough.ggx.density(facet) * 0.5;
             let (reflected, _) = Fresnel::Exact.dielectric(cos, coat.ior);
             let once = density * i / (o * length_i + i * length_o);
@@ -649,12 +651,15 @@ impl Principled {
                 let crossing = self.crossing(cos_o.min(1.0), view.outside);
                 let (length_o, length_i) =
                     (facets.ggx.squeezed_length(wo), facets.ggx.squeezed_length(wi));
-                let once = facets.ggx.density(facet) * cos_o * cos_i / length2 * 2.0
-                    / (o + length_o);
+                let once =
+                    facets.ggx.density(facet) * cos_o * cos_i / length2 * 2.0 / (o + length_o);
                 let passed = self.clear * crossing.passed * once * 2.0 * i / (i + length_i);
                 value += self.its.base_color * passed;
-                pdf += ways.facet * (1.0 - self.reflects(cos_o.min(1.0), &crossing))
-                    * once * eta * eta;
+                pdf += ways.facet
+                    * (1.0 - self.reflects(cos_o.min(1.0), &crossing))
+                    * once
+                    * eta
+                    * eta;
             }
         }
 
@@ -671,8 +676,8 @@ impl Principled {
                 let crossing = self.crossing(cos, view.outside);
                 let once = density * i / (o * length_i + i * length_o);
                 value += self.its.base_color * (self.clear * crossing.passed * once);
-                pdf += ways.facet * (1.0 - self.reflects(cos, &crossing)) * density
-                    / (o + length_o);
+                pdf +=
+                    ways.facet * (1.0 - self.reflects(cos, &crossing)) * density / (o + length_o);
             }
             let lobe = view.lost * facets.lost(wi) * i * FRAC_1_PI / facets.loss.mean;
             value += self.its.base_color * (self.clear * self.many_thin() * lobe);
@@ -712,8 +717,8 @@ impl Principled {
         // What each sends on, of white light.
         let its = &self.its;
         let color = its.base_color.max_channel();
-        let reflected = self.metal * self.metal(o).max_channel()
-            + self.opaque * self.gloss(o).max_channel();
+        let reflected =
+            self.metal * self.metal(o).max_channel() + self.opaque * self.gloss(o).max_channel();
         let crossing = self.crossing(o, outside);
         let mut ways = Ways {
             sheen: 1.0 - below_sheen,
@@ -868,12 +873,8 @@ impl Principled {
 
     /// What the clear border does to light under the cosine `cos` on the side of `wo`.
     fn crossing(&self, cos: f32, outside: bool) -> Crossing {
-        let nothing = Crossing {
-            reflected: Spectrum::BLACK,
-            passed: 0.0,
-            cos_beyond: 0.0,
-            cos_outside: cos,
-        };
+        let nothing =
+            Crossing { reflected: Spectrum::BLACK, passed: 0.0, cos_beyond: 0.0, cos_outside: cos };
         if self.clear == 0.0 {
             return nothing;
         }
@@ -1030,7 +1031,11 @@ impl Glass {
         let through = Rise::mean_transmittance(eta) * denser / above.mean.max(below.mean);
         Self {
             above: Side { eta, loss: above, crossing: through * below.mean },
-            below: Side { eta: 1.0 / eta, loss: below, crossing: through * above.mean / (eta * eta) },
+            below: Side {
+                eta: 1.0 / eta,
+                loss: below,
+                crossing: through * above.mean / (eta * eta),
+            },
         }
     }
 

@@ -14,6 +14,7 @@
 //! and the supplemental fit of the sensitivities; glTF extension
 //! `KHR_materials_iridescence`.
 
+use super::fresnel::Fresnel;
 use crate::color::Spectrum;
 use rutilant_geom::real;
 use std::f32::consts::PI;
@@ -41,7 +42,7 @@ impl ThinFilm {
     pub(super) fn reflectance(&self, cos: f32, normal: Spectrum) -> Spectrum {
         let sin2 = (1.0 - cos * cos).max(0.0) / (self.ior * self.ior);
         let cos_inside = (1.0 - sin2).max(0.0).sqrt();
-        let upper = schlick(face(self.ior), cos);
+        let (upper, _) = Fresnel::Exact.dielectric(cos, self.ior);
         let passed = 1.0 - upper;
         let way = 2.0 * self.ior * self.thickness_nm * cos_inside;
         let (first, second) = (sensed(way), sensed(2.0 * way));
@@ -89,7 +90,8 @@ fn sensed(way_nm: f32) -> Spectrum {
     const WHOLE: f32 = 1.0685e-7;
     let phase = 2.0 * PI * way_nm * 1e-9;
     let [x, y, z, x2] = BELLS.map(|[weight, place, variance]| {
-        weight * (2.0 * PI * variance).sqrt()
+        weight
+            * (2.0 * PI * variance).sqrt()
             * real::cos(place * phase)
             * real::exp(-variance * phase * phase)
             / WHOLE
@@ -101,4 +103,62 @@ fn sensed(way_nm: f32) -> Spectrum {
         -0.969_266 * x + 1.876_011 * y + 0.041_556 * z,
         0.055_643 * x - 0.204_026 * y + 1.057_225 * z,
     ])
+}
+
+#[cfg(test)]
+#[expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
+mod tests {
+    use super::*;
+
+    /// The brightness of a film seen straight on is Airy's sum over all ways to and fro (Born and
+    /// Wolf, section 7.6), wavelength by wavelength, as the eye weighs it (Wyman et al. 2013).
+    #[test]
+    fn films_are_as_bright_as_airy_says() {
+        let eye = |nm: f64| {
+            let bell = |at: f64, below: f64, above: f64| {
+                let t = (nm - at) / if nm < at { below } else { above };
+                (-0.5 * t * t).exp()
+            };
+            0.821 * bell(568.8, 46.9, 40.5) + 0.286 * bell(530.9, 16.3, 31.1)
+        };
+        for (ior, base, thickness) in [
+            (1.33_f64, 1.0_f64, 110.0_f64),
+            (1.33, 1.0, 300.0),
+            (1.33, 1.5, 100.0),
+            (1.38, 1.5, 250.0),
+            (2.0, 1.5, 70.0),
+            (1.5, 3.0, 500.0),
+        ] {
+            let r12 = (1.0 - ior) / (1.0 + ior);
+            let r23 = (ior - base) / (ior + base);
+            let (mut sum, mut total) = (0.0, 0.0);
+            for i in 0..400 {
+                let nm = 380.0 + f64::from(i);
+                let phase = 4.0 * std::f64::consts::PI * ior * thickness / nm;
+                let product = r12 * r23;
+                let up = r12 * r12 + r23 * r23 + 2.0 * product * phase.cos();
+                let down = 1.0 + product * product + 2.0 * product * phase.cos();
+                sum += eye(nm) * up / down;
+                total += eye(nm);
+            }
+            let film = ThinFilm::new(1.0, ior as f32, thickness as f32).expect("a film");
+            let normal = ((base - 1.0) / (base + 1.0)).powi(2) as f32;
+            let got = f64::from(film.reflectance(1.0, Spectrum::splat(normal)).luminance());
+            let expected = sum / total;
+            assert!((got - expected).abs() < 0.02, "{ior} {base} {thickness}: {got} {expected}");
+        }
+    }
+
+    /// A film without thickness is not there.
+    #[test]
+    fn no_film_reflects_what_the_base_does() {
+        let film = ThinFilm::new(1.0, 1.4, 0.0).expect("a film");
+        for normal in [0.04_f32, 0.3, 0.9] {
+            for cos in [1.0_f32, 0.7, 0.2] {
+                let got = film.reflectance(cos, Spectrum::splat(normal)).max_channel();
+                let bare = schlick(normal, cos);
+                assert!((got - bare).abs() < 0.01, "{normal} {cos}: {got} {bare}");
+            }
+        }
+    }
 }

@@ -4,6 +4,7 @@ use crate::bsdf::{
     Bsdf, Fresnel, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
     SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
 };
+use crate::color::Spectrum;
 use crate::material::{CustomMaterial, Dielectric, HemisphereSampling, Material, MaterialKind};
 use crate::medium::{Border, PreparedMedium};
 use crate::scene::MaterialId;
@@ -57,6 +58,7 @@ pub(super) fn passes(material: &Material) -> bool {
         | MaterialKind::Conductor(_)
         | MaterialKind::Dielectric(_)
         | MaterialKind::ThinDielectric(_)
+        | MaterialKind::Principled(_)
         | MaterialKind::Mix(_)
         | MaterialKind::Custom(_) => false,
     }
@@ -69,6 +71,7 @@ pub(super) fn prepare_materials(
     // The strongest first; of equally strong ones the first.
     let priority = |m: &Material| match &m.kind {
         MaterialKind::Dielectric(Dielectric { priority, .. }) => *priority,
+        MaterialKind::Principled(p) => p.priority,
         MaterialKind::Black
         | MaterialKind::Matte(_)
         | MaterialKind::Mirror(_)
@@ -97,6 +100,18 @@ pub(super) fn prepare_materials(
             | MaterialKind::Conductor(_)
             | MaterialKind::ThinDielectric(_) => {}
             MaterialKind::Null => prepared.passes = true,
+            MaterialKind::Principled(p) => {
+                prepared.bsdf = p.parameters().into();
+                if p.has_inside() {
+                    let absorption = p.absorption.coefficient();
+                    prepared.border = Some(Border {
+                        interior: PreparedMedium { ior: p.ior, absorption },
+                        exterior: PreparedMedium { ior: 1.0, absorption: Spectrum::BLACK },
+                        material: i as u32,
+                        rank: ranks.get(&i).copied(),
+                    });
+                }
+            }
             MaterialKind::Dielectric(d) => {
                 let medium = |m: &crate::material::Medium| PreparedMedium {
                     ior: m.ior,
@@ -126,7 +141,10 @@ pub(super) fn prepare_materials(
 /// The lobe of a material that has just one.
 fn lobe(material: &Material) -> Option<Lobe> {
     match &material.kind {
-        MaterialKind::Black | MaterialKind::Mix(_) | MaterialKind::Custom(_) => None,
+        MaterialKind::Black
+        | MaterialKind::Principled(_)
+        | MaterialKind::Mix(_)
+        | MaterialKind::Custom(_) => None,
         // What passes unscattered crosses a border between equal media.
         MaterialKind::Null => {
             Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))
