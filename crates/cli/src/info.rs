@@ -253,6 +253,7 @@ fn kind_of_material(kind: &MaterialKind) -> &'static str {
         MaterialKind::Conductor(_) => "conductor",
         MaterialKind::Dielectric(_) => "dielectric",
         MaterialKind::ThinDielectric(_) => "thin-dielectric",
+        MaterialKind::Principled(_) => "principled",
         MaterialKind::Mix(_) => "mix",
         MaterialKind::Custom(_) => "custom",
     }

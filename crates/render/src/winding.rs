@@ -79,6 +79,7 @@ fn glass_mesh(object: &Object, scene: &Scene) -> Option<usize> {
     let material = &scene.materials[object.material.0 as usize];
     match (&object.shape, &material.kind) {
         (Shape::Mesh(id), MaterialKind::Dielectric(_)) => Some(id.0 as usize),
+        (Shape::Mesh(id), MaterialKind::Principled(p)) if p.has_inside() => Some(id.0 as usize),
         _ => None,
     }
 }

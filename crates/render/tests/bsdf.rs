@@ -9,8 +9,9 @@ use common::{
     well_spread,
 };
 use rutilant::bsdf::{
-    Bsdf, Fresnel, Ggx, Lambert, Lobe, OrenNayar, PerfectMirror, RoughConductor, RoughDielectric,
-    SmoothConductor, SmoothDielectric, ThinDielectric, UniformLambert,
+    Bsdf, Fresnel, Ggx, Lambert, Lobe, OrenNayar, PerfectMirror, PrincipledParameters,
+    RoughConductor, RoughDielectric, SmoothConductor, SmoothDielectric, ThinDielectric,
+    UniformLambert,
 };
 use rutilant::color::Spectrum;
 use rutilant::geom::{Vec2, Vec3};
@@ -21,6 +22,8 @@ struct Entry {
     bsdf: Bsdf,
     /// Sends back all light, per channel, at every angle.
     white: bool,
+    /// Made of several layers.
+    layers: bool,
 }
 
 fn all() -> Vec<Entry> {
@@ -35,7 +38,18 @@ fn all() -> Vec<Entry> {
     let rough_gold = Lobe::RoughConductor(RoughConductor::new(gold.eta, gold.k, 0.4).unwrap());
     let frosted = |eta, r| Lobe::RoughDielectric(RoughDielectric::new(eta, r).unwrap());
     let pane = |ior, color: [f32; 3]| Lobe::ThinDielectric(ThinDielectric::new(ior, color.into()));
-    let entry = |name: &'static str, bsdf, white| Entry { name: name.into(), bsdf, white };
+    let entry =
+        |name: &'static str, bsdf, white| Entry { name: name.into(), bsdf, white, layers: false };
+    // Layers, white as far as nothing is said.
+    let white =
+        PrincipledParameters { base_color: Spectrum::WHITE, ..PrincipledParameters::default() };
+    let clear = PrincipledParameters { transmission: 1.0, roughness: 0.0, ..white };
+    let metal = PrincipledParameters { metallic: 1.0, roughness: 0.4, ..white };
+    let coated = PrincipledParameters { coat: 1.0, ..white };
+    let layered = |name: &'static str, p: PrincipledParameters, white| Entry {
+        layers: true,
+        ..entry(name, p.into(), white)
+    };
     vec![
         entry("white lambert", lambert(1.0).into(), true),
         entry("grey lambert", lambert(0.3).into(), false),
@@ -61,6 +75,37 @@ fn all() -> Vec<Entry> {
         entry("gold leaf on clay", Bsdf::sum([(0.4, rough_gold), (0.6, clay(0.5, 0.5))]), false),
         entry("torn gauze", Bsdf::sum([(0.4, pane(1.0, [1.0; 3])), (0.6, lambert(1.0))]), true),
         entry("black", Bsdf::BLACK, false),
+        layered("plastic", white, true),
+        layered("polished plastic", PrincipledParameters { roughness: 0.0, ..white }, true),
+        layered("paper", PrincipledParameters { diffuse_transmission: 0.7, ..white }, true),
+        layered(
+            "brushed metal",
+            PrincipledParameters { anisotropy: 0.5, anisotropy_rotation: 0.7, ..metal },
+            true,
+        ),
+        layered("frosted", PrincipledParameters { roughness: 0.5, ..clear }, true),
+        layered(
+            "thin frosted pane",
+            PrincipledParameters { thin_walled: true, roughness: 0.5, ..clear },
+            true,
+        ),
+        layered("milky", PrincipledParameters { transmission: 0.5, roughness: 0.0, ..white }, true),
+        layered(
+            "layers: worn varnish",
+            PrincipledParameters { coat_roughness: 0.4, ..coated },
+            true,
+        ),
+        layered("layers: coated glass", PrincipledParameters { coat: 0.7, ..clear }, true),
+        layered(
+            "layers: velvet",
+            PrincipledParameters {
+                base_color: [0.1, 0.1, 0.3].into(),
+                diffuse_roughness: 0.7,
+                sheen_color: [0.5, 0.6, 0.9].into(),
+                ..white
+            },
+            false,
+        ),
     ]
 }
 
@@ -88,7 +133,7 @@ fn rough_ones() -> Vec<Rough> {
     let mut all = Vec::new();
     for roughness in ROUGHNESSES {
         let mut add = |name: String, lobe: Lobe, alpha, eta| {
-            let entry = Entry { name, bsdf: lobe.into(), white: true };
+            let entry = Entry { name, bsdf: lobe.into(), white: true, layers: false };
             all.push(Rough { entry, alpha, eta });
         };
         let alpha = Some(roughness * roughness);
@@ -124,7 +169,9 @@ fn samples_follow_the_density() {
     let entries = all();
     let level = family_wise(entries.iter().filter(rough).count() * wos.len());
     for (stream, entry) in entries.iter().filter(rough).enumerate() {
-        for &wo in &wos {
+        // Layers have a test of their own besides; here they are seen from every other side.
+        let step = if entry.layers { 2 } else { 1 };
+        for &wo in wos.iter().step_by(step) {
             let sample = |choice, u| {
                 let s = entry.bsdf.sample(wo, choice, u)?;
                 (!s.delta).then_some(s.wi)
@@ -264,7 +311,11 @@ fn weights_are_value_over_density() {
 fn scattering_is_reciprocal() {
     let index = |eta: f32, w: Vec3| if w.z > 0.0 { 1.0 } else { eta };
     let even = |e: Entry| {
-        let eta = if e.name.contains("bubble") { 1.0 / 1.33 } else { 1.5 };
+        let eta = match e.name.as_str() {
+            name if name.contains("bubble") => 1.0 / 1.33,
+            name if name.starts_with("thin") => 1.0,
+            _ => 1.5,
+        };
         Rough { entry: e, alpha: None, eta }
     };
     for Rough { entry, eta, .. } in all().into_iter().map(even).chain(rough_ones()) {
@@ -276,7 +327,8 @@ fn scattering_is_reciprocal() {
                 let scattered = entry.bsdf.sample(wo, choice, u).map(|s| s.wi);
                 for wi in [Some(anywhere), scattered].into_iter().flatten() {
                     let (cos_o, cos_i) = (wo.z.abs(), wi.z.abs());
-                    if cos_o.min(cos_i) < 1e-5 {
+                    // Below coats and sheen nothing rough is: see `Principled`.
+                    if cos_o.min(cos_i) < 1e-5 || entry.name.starts_with("layers") {
                         continue;
                     }
                     let (n_o, n_i) = (index(eta, wo), index(eta, wi));

@@ -12,7 +12,7 @@ use rutilant::geom::Vec3;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Metal, Mirror, Mix, ThinDielectric,
+    MaterialKind, Matte, Metal, Mirror, Mix, Principled, ThinDielectric,
 };
 use rutilant::scene::MaterialId;
 use rutilant::settings::{Heuristic, IntegratorKind, SamplerKind};
@@ -125,7 +125,7 @@ fn emission(random: &mut Random) -> Emission {
 }
 
 fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
-    match random.below(if plain { 6 } else { 8 }) {
+    match random.below(if plain { 6 } else { 9 }) {
         0 => MaterialKind::Black,
         1 => MaterialKind::Null,
         2 => MaterialKind::Matte(Matte {
@@ -147,6 +147,20 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
             second: MaterialId(parts[random.below(parts.len())]),
             amount: random.unit(),
         }),
+        7 => MaterialKind::Principled(Box::new(Principled {
+            base_color: rgb(random),
+            roughness: random.unit(),
+            anisotropy_rotation: (360.0 * random.unit()).to_radians(),
+            thin_walled: random.below(2) == 0,
+            transmission: random.unit(),
+            absorption: Absorption::Coefficient(rgb(random)),
+            coat: random.unit(),
+            coat_color: rgb(random),
+            sheen_color: rgb(random),
+            iridescence: random.unit(),
+            iridescence_thickness_nm: 900.0 * random.unit(),
+            ..Principled::default()
+        })),
         _ => {
             let mut glass = Dielectric::new(1.0 + random.unit());
             glass.interior.absorption = match random.below(3) {
@@ -187,7 +201,10 @@ fn edit(look: &mut Look, random: &mut Random, own: usize) {
         .filter(|i| {
             !matches!(
                 look.materials[*i as usize].kind,
-                MaterialKind::Mix(_) | MaterialKind::Dielectric(_) | MaterialKind::Custom(_)
+                MaterialKind::Mix(_)
+                    | MaterialKind::Dielectric(_)
+                    | MaterialKind::Principled(_)
+                    | MaterialKind::Custom(_)
             )
         })
         .collect();

@@ -57,12 +57,53 @@ impl Ggx {
     pub fn sample_seen(self, wo: Vec3, u: Vec2) -> Vec3 {
         let squeeze = |v: Vec3| Vec3::new(self.alpha * v.x, self.alpha * v.y, v.z);
         let seen_from = squeeze(wo).normalize();
-        // A cap of the sphere reflects `seen_from` into all directions that are above ground.
-        let z = (1.0 - u.y) * (1.0 + seen_from.z) - seen_from.z;
-        let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
-        let (s, c) = real::sin_cos(2.0 * PI * u.x);
-        squeeze(Vec3::new(sin * c, sin * s, z) + seen_from).normalize_or(Vec3::Z)
+        squeeze(cap_normal(seen_from, u)).normalize_or(Vec3::Z)
     }
+}
+
+/// The GGX distribution of facets that are steeper one way than the other, as brushing leaves them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StretchedGgx {
+    /// α along x.
+    pub(super) along: f32,
+    /// α along y.
+    pub(super) across: f32,
+}
+
+impl StretchedGgx {
+    /// As [`Ggx::density`].
+    pub(super) fn density(self, m: Vec3) -> f32 {
+        if m.z <= 0.0 {
+            return 0.0;
+        }
+        let (x, y) = (m.x / self.along, m.y / self.across);
+        let stretched = x * x + y * y + m.z * m.z;
+        1.0 / (PI * self.along * self.across * stretched * stretched)
+    }
+
+    /// As [`Ggx::squeezed_length`].
+    pub(super) fn squeezed_length(self, w: Vec3) -> f32 {
+        self.squeeze(w).length()
+    }
+
+    /// As [`Ggx::sample_seen`].
+    pub(super) fn sample_seen(self, wo: Vec3, u: Vec2) -> Vec3 {
+        self.squeeze(cap_normal(self.squeeze(wo).normalize(), u)).normalize_or(Vec3::Z)
+    }
+
+    /// To where the facets are a sphere.
+    fn squeeze(self, v: Vec3) -> Vec3 {
+        Vec3::new(self.along * v.x, self.across * v.y, v.z)
+    }
+}
+
+/// A normal, of any length, of a sphere's facet as often as it is seen from the unit vector
+/// `seen_from` above ground: a cap of the sphere reflects that into all directions above ground.
+fn cap_normal(seen_from: Vec3, u: Vec2) -> Vec3 {
+    let z = (1.0 - u.y) * (1.0 + seen_from.z) - seen_from.z;
+    let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+    let (s, c) = real::sin_cos(2.0 * PI * u.x);
+    Vec3::new(sin * c, sin * s, z) + seen_from
 }
 
 #[cfg(test)]

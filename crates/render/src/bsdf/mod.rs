@@ -1,6 +1,6 @@
 //! How a surface scatters light at a point.
 //!
-//! A [`Bsdf`] is a weighted sum of [`Lobe`]s. Directions are unit vectors in
+//! A [`Bsdf`] is a weighted sum of [`Lobe`]s, or the layers of a [`Principled`] surface. Directions are unit vectors in
 //! the shading frame, z along the normal; both point away from the surface:
 //! `wo` to where light leaves, `wi` to where it came from. Each lobe holds on
 //! both sides of the surface.
@@ -9,14 +9,18 @@ mod conductor;
 mod dielectric;
 mod energy;
 mod fresnel;
+mod gloss;
 mod lambert;
 mod microfacet;
 mod mirror;
 mod oren_nayar;
+mod principled;
 mod rough_conductor;
 mod rough_dielectric;
 mod sample;
+mod sheen;
 mod thin_dielectric;
+mod thin_film;
 mod uniform_lambert;
 
 pub use conductor::SmoothConductor;
@@ -26,6 +30,7 @@ pub use lambert::Lambert;
 pub use microfacet::Ggx;
 pub use mirror::PerfectMirror;
 pub use oren_nayar::OrenNayar;
+pub use principled::{Principled, PrincipledParameters};
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use sample::BsdfSample;
@@ -156,16 +161,24 @@ impl Lobe {
     }
 }
 
-/// How a surface scatters: nothing, one lobe, or a weighted sum of several.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// How a surface scatters: nothing, one lobe, a weighted sum of several, or layers.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bsdf {
-    lobes: [Option<WeightedLobe>; Self::MAX_LOBES],
-    /// How many of them are not deltas.
+    form: Form,
+    /// How many lobes are not deltas; of layers 1 where some of them are not.
     spread: u8,
     /// Whether one of those scatters light through the surface.
     translucent: bool,
     /// Whether sampling has a choice to make.
     chooses: bool,
+}
+
+/// What a BSDF is made of.
+#[expect(clippy::large_enum_variant, reason = "it is copied once for a material, or for a hit")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Sum([Option<WeightedLobe>; Bsdf::MAX_LOBES]),
+    Layers(Principled),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,6 +203,30 @@ pub(crate) enum Scattering {
     Other,
 }
 
+impl Default for Bsdf {
+    fn default() -> Self {
+        Self::BLACK
+    }
+}
+
+impl From<PrincipledParameters> for Bsdf {
+    /// Cheap enough to be done at every hit.
+    fn from(parameters: PrincipledParameters) -> Self {
+        Principled::new(parameters).into()
+    }
+}
+
+impl From<Principled> for Bsdf {
+    fn from(layers: Principled) -> Self {
+        Self {
+            form: Form::Layers(layers),
+            spread: u8::from(layers.has_spread()),
+            translucent: layers.is_translucent(),
+            chooses: true,
+        }
+    }
+}
+
 impl From<Lobe> for Bsdf {
     fn from(lobe: Lobe) -> Self {
         Self::sum([(1.0, lobe)])
@@ -199,7 +236,11 @@ impl From<Lobe> for Bsdf {
 impl Bsdf {
     /// What it is, for eight paths at once.
     pub(crate) fn scattering(&self) -> Scattering {
-        match &self.lobes {
+        let lobes = match &self.form {
+            Form::Sum(lobes) => lobes,
+            Form::Layers(_) => return Scattering::Other,
+        };
+        match lobes {
             [None, None] => Scattering::Black,
             [Some(WeightedLobe { lobe, weight: 1.0, pmf: 1.0 }), None] => match lobe {
                 Lobe::Lambert(l) => Scattering::Lambert(l.albedo),
@@ -224,7 +265,7 @@ impl Bsdf {
 
     /// Absorbs everything.
     pub const BLACK: Self =
-        Self { lobes: [None; Self::MAX_LOBES], spread: 0, translucent: false, chooses: false };
+        Self { form: Form::Sum([None; 2]), spread: 0, translucent: false, chooses: false };
 
     /// Lobes with their weights; those that send nothing back are left out, as are those
     /// beyond [`MAX_LOBES`](Self::MAX_LOBES). Each is chosen in proportion to weight and albedo.
@@ -243,24 +284,32 @@ impl Bsdf {
             spread: lobes().filter(|l| !l.is_delta()).count() as u8,
             translucent: lobes().any(Lobe::is_translucent),
             chooses: lobes().count() > 1 || lobes().any(Lobe::chooses),
-            lobes: kept.map(|kept| {
+            form: Form::Sum(kept.map(|kept| {
                 kept.map(|(weight, lobe)| WeightedLobe {
                     lobe,
                     weight,
                     pmf: importance(weight, &lobe) / total,
                 })
-            }),
+            })),
         }
     }
 
+    /// Those of a sum.
     fn lobes(&self) -> impl Iterator<Item = &WeightedLobe> {
-        self.lobes.iter().flatten()
+        let lobes = match &self.form {
+            Form::Sum(lobes) => lobes.as_slice(),
+            Form::Layers(_) => &[],
+        };
+        lobes.iter().flatten()
     }
 
     /// The same with another index of refraction below over that above, where light can cross:
     /// for borders whose sides are known only where a ray meets them.
     #[must_use]
     pub(crate) fn with_eta(self, eta: f32) -> Self {
+        if let Form::Layers(layers) = &self.form {
+            return layers.with_eta(eta).into();
+        }
         let lobe = |lobe| match lobe {
             Lobe::Dielectric(l) => Lobe::Dielectric(SmoothDielectric { eta, ..l }),
             Lobe::RoughDielectric(l) => RoughDielectric::new(eta, l.roughness()).map_or(
@@ -285,12 +334,18 @@ impl Bsdf {
 
     /// True when some of it is scattered into single directions.
     pub(crate) fn has_delta(&self) -> bool {
-        self.lobes().count() > usize::from(self.spread)
+        match &self.form {
+            Form::Sum(_) => self.lobes().count() > usize::from(self.spread),
+            Form::Layers(layers) => layers.has_delta(),
+        }
     }
 
     /// How often [`sample`](Self::sample) scatters into a single direction.
     pub(crate) fn delta_pmf(&self) -> f32 {
-        self.lobes().filter(|l| l.lobe.is_delta()).map(|l| l.pmf).sum()
+        match &self.form {
+            Form::Sum(_) => self.lobes().filter(|l| l.lobe.is_delta()).map(|l| l.pmf).sum(),
+            Form::Layers(layers) => layers.delta_pmf(),
+        }
     }
 
     /// True when what [`sample`](Self::sample) gives depends on `choice`.
@@ -307,6 +362,9 @@ impl Bsdf {
     /// [`sample`](Self::sample) draws `wi`, both in 1/sr and without the delta lobes.
     #[inline]
     pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        if let Form::Layers(layers) = &self.form {
+            return layers.eval_cos_pdf(wo, wi);
+        }
         let mut sum = (Spectrum::BLACK, 0.0);
         for l in self.lobes() {
             let (value, pdf) = l.lobe.eval_cos_pdf(wo, wi);
@@ -330,6 +388,9 @@ impl Bsdf {
     ///
     /// `choice` and `u` hold numbers in [0, 1). `None` where nothing is scattered.
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        if let Form::Layers(layers) = &self.form {
+            return layers.sample(wo, choice, u);
+        }
         // Find the lobe; what is left of the choice is as good as new.
         let mut left = choice;
         let mut chosen = None;
@@ -355,6 +416,9 @@ impl Bsdf {
 
     /// About what part of white light is sent on, 0 to 1 per channel; see [`Lobe::albedo`].
     pub fn albedo(&self) -> Spectrum {
+        if let Form::Layers(layers) = &self.form {
+            return layers.albedo();
+        }
         self.lobes().fold(Spectrum::BLACK, |sum, l| sum + l.lobe.albedo() * l.weight)
     }
 }

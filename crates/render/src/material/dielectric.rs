@@ -56,7 +56,7 @@ pub(super) const MAX_IOR: f32 = 10.0;
 
 /// The most that indices may differ by at a rough border. Beyond it light that is trapped inside
 /// gets out so rarely that no number of samples finds it; diamond has 2.42.
-const MOST_ROUGH_RATIO: f32 = 2.5;
+pub(super) const MOST_ROUGH_RATIO: f32 = 2.5;
 
 impl Medium {
     /// Air, or nothing.
@@ -69,19 +69,27 @@ impl Medium {
         absorption: bool,
     ) -> Result<(), SceneProblem> {
         place.check(ior, [self.ior], 1.0..=MAX_IOR)?;
-        let key = |name| if absorption { name } else { ior };
-        match self.absorption {
-            Absorption::None => Ok(()),
-            Absorption::Coefficient(sigma) => place.check(key("sigma_a"), sigma.0, NOT_NEGATIVE),
-            Absorption::ColorAtDistance { color, distance } => {
+        self.absorption.validate(place, |name| if absorption { name } else { ior })
+    }
+}
+
+impl Absorption {
+    /// `key` gives the key at which a problem with the one that it gets is told.
+    pub(super) fn validate(
+        &self,
+        place: Place,
+        key: impl Fn(&'static str) -> &'static str,
+    ) -> Result<(), SceneProblem> {
+        match *self {
+            Self::None => Ok(()),
+            Self::Coefficient(sigma) => place.check(key("sigma_a"), sigma.0, NOT_NEGATIVE),
+            Self::ColorAtDistance { color, distance } => {
                 place.check(key("absorption_color"), color.0, f32::MIN_POSITIVE..=1.0)?;
                 place.check(key("absorption_distance"), [distance], POSITIVE)
             }
         }
     }
-}
 
-impl Absorption {
     /// The absorption coefficient σ in 1/m.
     pub fn coefficient(&self) -> Spectrum {
         match *self {

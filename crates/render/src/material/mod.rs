@@ -9,6 +9,7 @@ mod metals;
 mod mirror;
 mod mix;
 mod opacity;
+mod principled;
 mod thin_dielectric;
 
 pub use conductor::Conductor;
@@ -20,12 +21,17 @@ pub use metals::Metal;
 pub use mirror::Mirror;
 pub use mix::Mix;
 pub use opacity::{Opacity, OpacityMode};
+pub use principled::Principled;
 pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
 use crate::id::TextureId;
 use crate::problem::{Place, SceneProblem, UNIT};
 use std::sync::Arc;
+
+/// Why a body with a priority has no emission.
+const NO_GLOW_WITH_PRIORITY: &str = "a dielectric with a priority cannot glow: where it lies \
+                                     within another, its surface is not there";
 
 /// A surface: how it scatters, and the light it gives by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +63,8 @@ pub enum MaterialKind {
     Dielectric(Dielectric),
     /// A pane of glass without an inside.
     ThinDielectric(ThinDielectric),
+    /// Layers over a base: plastic, paint, cloth. Apart, for it is large and others are small.
+    Principled(Box<Principled>),
     /// Two other materials in some proportion.
     Mix(Mix),
     /// A material of others' making.
@@ -97,6 +105,7 @@ impl Material {
             | MaterialKind::Conductor(_)
             | MaterialKind::Dielectric(_)
             | MaterialKind::ThinDielectric(_)
+            | MaterialKind::Principled(_)
             | MaterialKind::Mix(_)
             | MaterialKind::Custom(_) => {}
         }
@@ -124,14 +133,16 @@ impl Material {
             MaterialKind::Dielectric(m) => {
                 m.validate(place)?;
                 if m.priority.is_some() && self.emission.is_some() {
-                    return Err(place.problem(
-                        "emission",
-                        "a dielectric with a priority cannot glow: where it lies within another, \
-                         its surface is not there",
-                    ));
+                    return Err(place.problem("emission", NO_GLOW_WITH_PRIORITY));
                 }
             }
             MaterialKind::ThinDielectric(m) => m.validate(place)?,
+            MaterialKind::Principled(m) => {
+                m.validate(place)?;
+                if m.priority.is_some() && self.emission.is_some() {
+                    return Err(place.problem("emission", NO_GLOW_WITH_PRIORITY));
+                }
+            }
             MaterialKind::Mix(m) => m.validate(place, all)?,
         }
         if let Some(opacity) = &self.opacity {
@@ -159,6 +170,10 @@ impl Mix {
                 }
                 Some(MaterialKind::Dielectric(_)) => format!(
                     "{key} is a dielectric, which cannot be mixed: what is inside would be in doubt"
+                ),
+                Some(MaterialKind::Principled(_)) => format!(
+                    "{key} is principled, which cannot be mixed: its own keys say in which \
+                     proportion there is what"
                 ),
                 Some(MaterialKind::Custom(_)) => format!(
                     "{key} is a custom material, which cannot be mixed: let it do the mixing"
@@ -188,6 +203,12 @@ macro_rules! material_from {
     )*};
 }
 material_from!(Matte, Mirror, Conductor, Dielectric, ThinDielectric, Mix);
+
+impl From<Principled> for Material {
+    fn from(layers: Principled) -> Self {
+        Self::new(MaterialKind::Principled(Box::new(layers)))
+    }
+}
 
 impl From<Arc<dyn CustomMaterial>> for Material {
     fn from(custom: Arc<dyn CustomMaterial>) -> Self {

@@ -6,6 +6,7 @@ use crate::bsdf::{
     Bsdf, Fresnel, Lobe, PerfectMirror, RoughConductor, RoughDielectric, SmoothConductor,
     SmoothDielectric, ThinDielectric,
 };
+use crate::color::Spectrum;
 use crate::material::{Dielectric, Material, MaterialKind, Opacity};
 use crate::medium::{Border, PreparedMedium};
 use crate::scene::MaterialId;
@@ -72,6 +73,7 @@ pub(super) fn passes(material: &Material) -> bool {
         | MaterialKind::Conductor(_)
         | MaterialKind::Dielectric(_)
         | MaterialKind::ThinDielectric(_)
+        | MaterialKind::Principled(_)
         | MaterialKind::Mix(_)
         | MaterialKind::Custom(_) => false,
     }
@@ -85,6 +87,7 @@ pub(super) fn prepare_materials(
     // The strongest first; of equally strong ones the first.
     let priority = |m: &Material| match &m.kind {
         MaterialKind::Dielectric(Dielectric { priority, .. }) => *priority,
+        MaterialKind::Principled(p) => p.priority,
         MaterialKind::Black
         | MaterialKind::Matte(_)
         | MaterialKind::Mirror(_)
@@ -118,6 +121,7 @@ pub(super) fn prepare_materials(
             | MaterialKind::ThinDielectric(_)
             | MaterialKind::Null
             | MaterialKind::Dielectric(_)
+            | MaterialKind::Principled(_)
             | MaterialKind::Custom(_) => [lobe(material).map(|lobe| (1.0, lobe)), None],
         };
         let mean = lobes.iter().flatten().map(|(weight, lobe)| (*weight, lobe.mean(textures)));
@@ -134,6 +138,18 @@ pub(super) fn prepare_materials(
             | MaterialKind::ThinDielectric(_)
             | MaterialKind::Mix(_) => {}
             MaterialKind::Null => prepared.passes = true,
+            MaterialKind::Principled(p) => {
+                prepared.bsdf = p.parameters().into();
+                if p.has_inside() {
+                    let absorption = p.absorption.coefficient();
+                    prepared.border = Some(Border {
+                        interior: PreparedMedium { ior: p.ior, absorption },
+                        exterior: PreparedMedium { ior: 1.0, absorption: Spectrum::BLACK },
+                        material: i as u32,
+                        rank: ranks.get(&i).copied(),
+                    });
+                }
+            }
             MaterialKind::Dielectric(d) => {
                 let medium = |m: &crate::material::Medium| PreparedMedium {
                     ior: m.ior,
@@ -173,7 +189,10 @@ pub(super) fn prepare_opacities(
 fn lobe(material: &Material) -> Option<VaryingLobe> {
     let lobe = match &material.kind {
         MaterialKind::Matte(matte) => return Some(VaryingLobe::Matte(*matte)),
-        MaterialKind::Black | MaterialKind::Mix(_) | MaterialKind::Custom(_) => None,
+        MaterialKind::Black
+        | MaterialKind::Principled(_)
+        | MaterialKind::Mix(_)
+        | MaterialKind::Custom(_) => None,
         // What passes unscattered crosses a border between equal media.
         MaterialKind::Null => {
             Some(Lobe::Dielectric(SmoothDielectric { eta: 1.0, fresnel: Fresnel::Exact }))

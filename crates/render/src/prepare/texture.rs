@@ -253,7 +253,8 @@ impl<'p> TexturePlace<'p> {
     /// The colour and opacity of the mesh's vertices, white where they have none.
     pub(super) fn vertex_color(&self) -> [f32; 4] {
         let Self { scene, object, hit, .. } = self;
-        let (Some(first), Some(vertices)) = (object.first_color, scene.vertices(hit, object)) else {
+        let (Some(first), Some(vertices)) = (object.first_color, scene.vertices(hit, object))
+        else {
             return [1.0; 4];
         };
         let [a, b, c] = vertices.map(|vertex| scene.colors[(first + vertex.number) as usize]);

@@ -9,7 +9,7 @@ use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
     Absorption, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Metal, Mirror,
-    ThinDielectric,
+    Principled, ThinDielectric,
 };
 use rutilant::settings::{Heuristic, IntegratorKind, Roulette, SamplerKind};
 use rutilant_formats::Look;
@@ -174,6 +174,7 @@ fn kind_name(kind: &MaterialKind) -> &'static str {
         MaterialKind::Conductor(_) => "conductor",
         MaterialKind::Dielectric(_) => "dielectric",
         MaterialKind::ThinDielectric(_) => "thin-dielectric",
+        MaterialKind::Principled(_) => "principled",
         MaterialKind::Null => "null",
         MaterialKind::Mix(_) => "mix",
         MaterialKind::Custom(_) => "custom",
@@ -213,13 +214,25 @@ fn one_material(ui: &mut Ui, material: &mut Material) {
             number(ui, "Index of refraction", &mut m.ior, 1.0..=3.0, false);
             color(ui, "Colour", &mut m.color);
         }
+        MaterialKind::Principled(m) => principled(ui, m),
         MaterialKind::Mix(m) => number(ui, "Amount of the second", &mut m.amount, 0.0..=1.0, false),
         MaterialKind::Custom(_) => {
             ui.weak("made by a program; it cannot be changed here");
         }
     }
-    let priority = matches!(&material.kind, MaterialKind::Dielectric(d) if d.priority.is_some());
-    if !priority {
+    let priority = match &material.kind {
+        MaterialKind::Dielectric(m) => m.priority,
+        MaterialKind::Principled(m) => m.priority,
+        MaterialKind::Black
+        | MaterialKind::Null
+        | MaterialKind::Matte(_)
+        | MaterialKind::Mirror(_)
+        | MaterialKind::Conductor(_)
+        | MaterialKind::ThinDielectric(_)
+        | MaterialKind::Mix(_)
+        | MaterialKind::Custom(_) => None,
+    };
+    if priority.is_none() {
         emission(ui, &mut material.emission);
     }
 }
@@ -233,11 +246,64 @@ fn dielectric(ui: &mut Ui, m: &mut Dielectric) {
     if may_be_rough {
         number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
     }
-    match &mut m.interior.absorption {
+    absorption(ui, &mut m.interior.absorption);
+}
+
+/// Layers over a base. What would lie outside of what can be rendered is not offered.
+fn principled(ui: &mut Ui, m: &mut Principled) {
+    color(ui, "Base colour", &mut m.base_color);
+    // A priority is for what light goes through.
+    if m.priority.is_none() {
+        number(ui, "Metallic", &mut m.metallic, 0.0..=1.0, false);
+    }
+    // Light must get out of rough glass again.
+    if m.thin_walled || m.ior <= 2.4 {
+        number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
+        number(ui, "Anisotropy", &mut m.anisotropy, 0.0..=1.0, false);
+    }
+    number(ui, "Diffuse roughness", &mut m.diffuse_roughness, 0.0..=1.0, false);
+    number(ui, "Specular", &mut m.specular, 0.0..=1.0, false);
+    color(ui, "Specular colour", &mut m.specular_color);
+    let is_smooth = m.roughness == 0.0 && m.anisotropy == 0.0;
+    let highest = if m.thin_walled || is_smooth { 4.0 } else { 2.4 };
+    number(ui, "Index of refraction", &mut m.ior, 1.0..=highest, false);
+    if m.priority.is_none() {
+        number(ui, "Transmission", &mut m.transmission, 0.0..=1.0, false);
+        number(ui, "Diffuse transmission", &mut m.diffuse_transmission, 0.0..=1.0, false);
+        if is_smooth || m.ior <= 2.4 {
+            ui.checkbox(&mut m.thin_walled, "Thin-walled");
+        }
+    }
+    if m.diffuse_transmission > 0.0 {
+        color(ui, "Colour of that", &mut m.diffuse_transmission_color);
+    }
+    if m.has_inside() {
+        absorption(ui, &mut m.absorption);
+    }
+    number(ui, "Coat", &mut m.coat, 0.0..=1.0, false);
+    if m.coat > 0.0 {
+        color(ui, "Coat colour", &mut m.coat_color);
+        number(ui, "Coat roughness", &mut m.coat_roughness, 0.0..=1.0, false);
+        number(ui, "Coat index", &mut m.coat_ior, 1.0..=3.0, false);
+    }
+    color(ui, "Sheen colour", &mut m.sheen_color);
+    if m.sheen_color != Rgb::BLACK {
+        number(ui, "Sheen roughness", &mut m.sheen_roughness, 0.0..=1.0, false);
+    }
+    number(ui, "Iridescence", &mut m.iridescence, 0.0..=1.0, false);
+    if m.iridescence > 0.0 {
+        number(ui, "Film index", &mut m.iridescence_ior, 1.0..=3.0, false);
+        number(ui, "Film thickness, nm", &mut m.iridescence_thickness_nm, 0.0..=1500.0, false);
+    }
+}
+
+/// The colour that light takes on inside.
+fn absorption(ui: &mut Ui, absorption: &mut Absorption) {
+    match absorption {
         Absorption::None => {
             if ui.button("Give it a colour").clicked() {
                 let color = Rgb([0.7, 0.85, 0.8]);
-                m.interior.absorption = Absorption::ColorAtDistance { color, distance: 0.1 };
+                *absorption = Absorption::ColorAtDistance { color, distance: 0.1 };
             }
         }
         Absorption::Coefficient(sigma) => light(ui, "Absorption, 1/m", sigma),
@@ -281,6 +347,7 @@ fn change_kind(ui: &mut Ui, material: &mut Material) {
                 MaterialKind::Conductor(Metal::Gold.conductor(0.2)),
                 MaterialKind::Dielectric(Dielectric::new(1.5)),
                 MaterialKind::ThinDielectric(ThinDielectric { ior: 1.5, color: Rgb::WHITE }),
+                MaterialKind::Principled(Box::default()),
                 MaterialKind::Black,
             ];
             for kind in kinds {

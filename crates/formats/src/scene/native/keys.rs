@@ -53,7 +53,7 @@ pub(super) const OPACITY: &[&str] =
     &["texture", "image", "channel", "factor", "vertex_colors", "cutoff"];
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
-pub(super) const EMISSION: &[&str] = &["radiance", "power", "two_sided"];
+pub(super) const EMISSION: &[&str] = &["radiance", "power", "strength", "two_sided"];
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
@@ -69,6 +69,34 @@ pub(super) const DIELECTRIC: &[&str] = &[
     "priority",
 ];
 pub(super) const THIN_DIELECTRIC: &[&str] = &["ior", "color"];
+pub(super) const PRINCIPLED: &[&str] = &[
+    "base_color",
+    "metallic",
+    "roughness",
+    "diffuse_roughness",
+    "anisotropy",
+    "anisotropy_rotation_degrees",
+    "specular",
+    "specular_color",
+    "ior",
+    "transmission",
+    "thin_walled",
+    "diffuse_transmission",
+    "diffuse_transmission_color",
+    "sigma_a",
+    "absorption_color",
+    "absorption_distance",
+    "priority",
+    "coat",
+    "coat_color",
+    "coat_roughness",
+    "coat_ior",
+    "sheen_color",
+    "sheen_roughness",
+    "iridescence",
+    "iridescence_ior",
+    "iridescence_thickness_nm",
+];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 
 pub(super) const ANY_SHAPE: &[&str] =
@@ -110,6 +138,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a conductor", CONDUCTOR),
     ("a dielectric", DIELECTRIC),
     ("a thin dielectric", THIN_DIELECTRIC),
+    ("a principled material", PRINCIPLED),
     ("a mix", MIX),
     ("[[shape]]", ANY_SHAPE),
     ("an instance", INSTANCE),
@@ -170,6 +199,9 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
     ("glass", "dielectric"),
     ("water", "dielectric"),
     ("metal", "conductor"),
+    ("openpbr", "principled"),
+    ("disney", "principled"),
+    ("plastic", "principled"),
     ("blend", "mix"),
     ("light", "emissive"),
     ("area", "emissive"),

@@ -2,7 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
-use super::said::{self, Group, Said, Written, color, number};
+use super::said::{self, Group, Said, Written, color, degrees, number};
 use super::table::{Table, Value};
 use super::texture;
 use crate::error::SceneError;
@@ -12,7 +12,7 @@ use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Medium, Metal, Mirror, Mix, ThinDielectric,
+    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, ThinDielectric,
 };
 use rutilant::scene::{MaterialId, Place};
 use std::collections::HashMap;
@@ -26,6 +26,7 @@ enum Type {
     Conductor,
     Dielectric,
     ThinDielectric,
+    Principled,
     Mix,
     Emissive,
 }
@@ -36,6 +37,7 @@ const TYPES: &[(&str, Type)] = &[
     ("conductor", Type::Conductor),
     ("dielectric", Type::Dielectric),
     ("thin-dielectric", Type::ThinDielectric),
+    ("principled", Type::Principled),
     ("mix", Type::Mix),
     ("emissive", Type::Emissive),
     ("black", Type::Black),
@@ -147,6 +149,11 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
                 color: table.or("color", Value::color, Rgb::WHITE)?,
             })
         }
+        Type::Principled => {
+            let table = table.named("a principled material");
+            allow(&table, keys::PRINCIPLED)?;
+            MaterialKind::Principled(Box::new(principled(&table)?))
+        }
         Type::Mix => {
             let table = table.named("a mix");
             allow(&table, keys::MIX)?;
@@ -167,9 +174,11 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
 }
 
 fn emission(table: &Table<'_>) -> Result<Emission, SceneError> {
+    let strength = table.or("strength", Value::number, 1.0)?;
+    let light = |key| table.must(key, Value::color).map(|Rgb(c)| Rgb(c.map(|c| c * strength)));
     let light = match table.either(["radiance", "power"])? {
-        "radiance" => EmittedLight::Radiance(table.must("radiance", Value::color)?),
-        _ => EmittedLight::Power(table.must("power", Value::color)?),
+        "radiance" => EmittedLight::Radiance(light("radiance")?),
+        _ => EmittedLight::Power(light("power")?),
     };
     Ok(Emission { light, two_sided: table.or("two_sided", Value::flag, false)? })
 }
@@ -205,6 +214,42 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
         fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
         priority: table.maybe("priority", Value::whole)?,
         roughness: roughness(table)?,
+    })
+}
+
+fn principled(table: &Table<'_>) -> Result<Principled, SceneError> {
+    let usual = Principled::default();
+    let part = |key, usual| table.or(key, Value::number, usual);
+    let color = |key, usual| table.or(key, Value::color, usual);
+    let turn = table.or("anisotropy_rotation_degrees", Value::number, 0.0)?;
+    Ok(Principled {
+        base_color: color("base_color", usual.base_color)?,
+        metallic: part("metallic", usual.metallic)?,
+        roughness: part("roughness", usual.roughness)?,
+        diffuse_roughness: part("diffuse_roughness", usual.diffuse_roughness)?,
+        anisotropy: part("anisotropy", usual.anisotropy)?,
+        anisotropy_rotation: turn.to_radians(),
+        specular: part("specular", usual.specular)?,
+        specular_color: color("specular_color", usual.specular_color)?,
+        ior: part("ior", usual.ior)?,
+        transmission: part("transmission", usual.transmission)?,
+        thin_walled: table.or("thin_walled", Value::flag, usual.thin_walled)?,
+        diffuse_transmission: part("diffuse_transmission", usual.diffuse_transmission)?,
+        diffuse_transmission_color: color(
+            "diffuse_transmission_color",
+            usual.diffuse_transmission_color,
+        )?,
+        absorption: absorption(table)?,
+        priority: table.maybe("priority", Value::whole)?,
+        coat: part("coat", usual.coat)?,
+        coat_color: color("coat_color", usual.coat_color)?,
+        coat_roughness: part("coat_roughness", usual.coat_roughness)?,
+        coat_ior: part("coat_ior", usual.coat_ior)?,
+        sheen_color: color("sheen_color", usual.sheen_color)?,
+        sheen_roughness: part("sheen_roughness", usual.sheen_roughness)?,
+        iridescence: part("iridescence", usual.iridescence)?,
+        iridescence_ior: part("iridescence_ior", usual.iridescence_ior)?,
+        iridescence_thickness_nm: part("iridescence_thickness_nm", usual.iridescence_thickness_nm)?,
     })
 }
 
@@ -292,20 +337,12 @@ pub(super) fn keys_of(
         }
         MaterialKind::Dielectric(m) => {
             let usual = said::name(FRESNELS, &Fresnel::Exact);
-            let absorption = match m.interior.absorption {
-                Absorption::None => Vec::new(),
-                Absorption::Coefficient(sigma) => vec![Said::new("sigma_a", color(sigma))],
-                Absorption::ColorAtDistance { color: left, distance } => vec![
-                    Said::new("absorption_color", color(left)),
-                    Said::or("absorption_distance", number(distance), "1"),
-                ],
-            };
             vec![
                 name,
                 kind("dielectric"),
                 ior(m.interior.ior),
                 Group::or(&["exterior_ior"], number(m.exterior.ior), &number(Medium::AIR.ior)),
-                Group::of(&["sigma_a", "absorption_color", "absorption_distance"], absorption),
+                keys_of_absorption(&m.interior.absorption),
                 Group::or(&["fresnel"], said::name(FRESNELS, &m.fresnel), &usual),
                 Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
                 rough(m.roughness),
@@ -317,6 +354,11 @@ pub(super) fn keys_of(
             ior(m.ior),
             Group::or(&["color"], color(m.color), "1"),
         ],
+        MaterialKind::Principled(m) => {
+            let mut groups = vec![name, kind("principled")];
+            groups.extend(keys_of_principled(m));
+            groups
+        }
         MaterialKind::Mix(m) => vec![
             name,
             kind("mix"),
@@ -337,13 +379,65 @@ pub(super) fn keys_of(
     Some(groups)
 }
 
+fn keys_of_principled(m: &Principled) -> Vec<Group> {
+    let usual = Principled::default();
+    let part = |key: &'static [&'static str; 1], a, b| Group::or(key, number(a), &number(b));
+    let tint = |key: &'static [&'static str; 1], a, b| Group::or(key, color(a), &color(b));
+    vec![
+        tint(&["base_color"], m.base_color, usual.base_color),
+        part(&["metallic"], m.metallic, usual.metallic),
+        part(&["roughness"], m.roughness, usual.roughness),
+        part(&["diffuse_roughness"], m.diffuse_roughness, usual.diffuse_roughness),
+        part(&["anisotropy"], m.anisotropy, usual.anisotropy),
+        Group::or(&["anisotropy_rotation_degrees"], degrees(m.anisotropy_rotation), "0"),
+        part(&["specular"], m.specular, usual.specular),
+        tint(&["specular_color"], m.specular_color, usual.specular_color),
+        part(&["ior"], m.ior, usual.ior),
+        part(&["transmission"], m.transmission, usual.transmission),
+        Group::or(&["thin_walled"], m.thin_walled.to_string(), "false"),
+        part(&["diffuse_transmission"], m.diffuse_transmission, usual.diffuse_transmission),
+        tint(
+            &["diffuse_transmission_color"],
+            m.diffuse_transmission_color,
+            usual.diffuse_transmission_color,
+        ),
+        keys_of_absorption(&m.absorption),
+        Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
+        part(&["coat"], m.coat, usual.coat),
+        tint(&["coat_color"], m.coat_color, usual.coat_color),
+        part(&["coat_roughness"], m.coat_roughness, usual.coat_roughness),
+        part(&["coat_ior"], m.coat_ior, usual.coat_ior),
+        tint(&["sheen_color"], m.sheen_color, usual.sheen_color),
+        part(&["sheen_roughness"], m.sheen_roughness, usual.sheen_roughness),
+        part(&["iridescence"], m.iridescence, usual.iridescence),
+        part(&["iridescence_ior"], m.iridescence_ior, usual.iridescence_ior),
+        part(
+            &["iridescence_thickness_nm"],
+            m.iridescence_thickness_nm,
+            usual.iridescence_thickness_nm,
+        ),
+    ]
+}
+
+fn keys_of_absorption(absorption: &Absorption) -> Group {
+    let says = match *absorption {
+        Absorption::None => Vec::new(),
+        Absorption::Coefficient(sigma) => vec![Said::new("sigma_a", color(sigma))],
+        Absorption::ColorAtDistance { color: left, distance } => vec![
+            Said::new("absorption_color", color(left)),
+            Said::or("absorption_distance", number(distance), "1"),
+        ],
+    };
+    Group::of(&["sigma_a", "absorption_color", "absorption_distance"], says)
+}
+
 fn keys_of_emission(emission: &Emission) -> [Group; 2] {
     let light = match emission.light {
         EmittedLight::Radiance(rgb) => Said::new("radiance", color(rgb)),
         EmittedLight::Power(rgb) => Said::new("power", color(rgb)),
     };
     [
-        Group::of(&["radiance", "power"], [light]),
+        Group::of(&["radiance", "power", "strength"], [light]),
         Group::or(&["two_sided"], emission.two_sided.to_string(), "false"),
     ]
 }

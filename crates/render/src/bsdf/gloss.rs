@@ -1,0 +1,327 @@
+//! What a glossy layer reflects in all, and what its facets lose, from tables.
+//!
+//! A layer over another must know how much light it leaves to it. That is an
+//! integral over all directions, and by roughness, angle and index a smooth
+//! function: `gloss.bin` holds it in 16-bit fractions in little-endian order.
+//! `examples/bake_gloss.rs` wrote it and can write it again; a test below
+//! computes entries another way.
+//!
+//! Reflection by Fresnel's equations is split into what is there at normal
+//! incidence and how it rises towards grazing. The first is 1 minus the loss of
+//! `energy.rs`, the second is tabulated here as a mean over what facets send
+//! on, so that any colour at normal incidence follows from the two. Means over
+//! all directions are tabulated as well: a layer must be cheap to make, because
+//! textures make one at every hit.
+//!
+//! Source: as for `energy.rs`; OpenPBR Surface specification 1.1, 2024, section
+//! on albedo scaling.
+
+use super::fresnel::Fresnel;
+use rutilant_geom::{Vec3, real};
+
+/// Indices, roughnesses and angles of the rise.
+const RISE: [usize; 3] = [16, 24, 41];
+const RISE_MEANS: usize = 16 * 24 * 41;
+/// Roughnesses, anisotropies, directions around the normal, and angles.
+const STRETCHED: [usize; 4] = [12, 11, 6, 28];
+const STRETCHED_START: usize = RISE_MEANS + 16 * 24;
+const STRETCHED_MEANS: usize = STRETCHED_START + 12 * 11 * 6 * 28;
+/// Roughnesses and angles of sheen.
+const SHEEN: [usize; 2] = [16, 32];
+const SHEEN_START: usize = STRETCHED_MEANS + 12 * 11;
+
+/// The least roughness of sheen in the table.
+pub(super) const LEAST_SHEEN: f32 = 0.3;
+
+/// The indices of refraction in the tables, stepped evenly in the logarithm of index - 1.
+const INDICES: std::ops::RangeInclusive<f32> = 1.04..=10.0;
+
+const TABLES: &[u8] = include_bytes!("gloss.bin");
+
+fn entry(i: usize) -> f32 {
+    let bytes = TABLES.get(2 * i..2 * i + 2);
+    bytes.map_or(0.0, |b| f32::from(u16::from_le_bytes([b[0], b[1]])) * (1.0 / 65535.0))
+}
+
+/// Where a number lies between two steps of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    first: u32,
+    /// How far on the way to the next step, 0 to 1.
+    along: f32,
+}
+
+impl Step {
+    /// Of `part` (0 to 1) of the way over `n` steps.
+    fn at(part: f32, n: usize) -> Self {
+        let place = part.clamp(0.0, 1.0) * (n - 1) as f32;
+        let first = (place as usize).min(n - 2);
+        Self { first: first as u32, along: place - first as f32 }
+    }
+
+    /// Of an index of refraction, above 1 or below.
+    fn of_index(eta: f32, n: usize) -> Self {
+        let (least, most) = (*INDICES.start(), *INDICES.end());
+        let log = |index: f32| real::ln(index.clamp(least, most) - 1.0);
+        Self::at((log(eta.max(1.0 / eta)) - log(least)) / (log(most) - log(least)), n)
+    }
+
+    /// Between what is at the two steps.
+    fn between(self, at: impl Fn(usize) -> f32) -> f32 {
+        let first = self.first as usize;
+        let (a, b) = (at(first), at(first + 1));
+        a + (b - a) * self.along
+    }
+}
+
+/// About what facets of this α lose in the mean. Means are stored in parts of it.
+fn usual_loss(alpha: f32) -> f32 {
+    alpha * alpha * (1.0 - 2.0 * real::ln(alpha))
+}
+
+/// How the reflection of a dielectric rises from 0 at normal incidence to 1 at grazing, as a mean
+/// over facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rise {
+    index: Step,
+    roughness: Step,
+    /// The mean over the cosine-weighted hemisphere, of all light and not of what is sent on.
+    pub(super) mean: f32,
+}
+
+impl Rise {
+    /// Of an index of refraction, above 1 or below, and a roughness from 0 to 1.
+    pub(super) fn new(eta: f32, roughness: f32) -> Self {
+        let [indices, roughnesses, _] = RISE;
+        let (index, roughness) = (Step::of_index(eta, indices), Step::at(roughness, roughnesses));
+        let entry = |n, r| entry(RISE_MEANS + n * roughnesses + r);
+        let mean = index.between(|n| roughness.between(|r| entry(n, r)));
+        Self { index, roughness, mean }
+    }
+
+    /// The mean over what facets send on of the light that leaves under the cosine `mu`.
+    pub(super) fn at(&self, mu: f32) -> f32 {
+        self.of(self.roughness, mu)
+    }
+
+    /// The same where facets have another roughness in the direction of that light.
+    pub(super) fn at_roughness(&self, mu: f32, roughness: f32) -> f32 {
+        self.of(Step::at(roughness, RISE[1]), mu)
+    }
+
+    fn of(&self, roughness: Step, mu: f32) -> f32 {
+        let [_, roughnesses, angles] = RISE;
+        let angle = Step::at(mu.sqrt(), angles);
+        self.index.between(|n| {
+            roughness.between(|r| angle.between(|a| entry((n * roughnesses + r) * angles + a)))
+        })
+    }
+
+    /// The same of a smooth surface: how far `reflected`, which Fresnel's equations say for some
+    /// angle, has risen from what they say at normal incidence.
+    pub(super) fn of_smooth(reflected: f32, eta: f32) -> f32 {
+        let normal = normal_reflectance(eta);
+        ((reflected - normal) / (1.0 - normal)).clamp(0.0, 1.0)
+    }
+
+    /// The part of diffuse light from the thinner side that crosses a smooth border of index `eta`.
+    pub(super) fn mean_transmittance(eta: f32) -> f32 {
+        (1.0 - normal_reflectance(eta)) * (1.0 - Self::new(eta, 0.0).mean)
+    }
+}
+
+/// What Fresnel's equations say at normal incidence.
+pub(super) fn normal_reflectance(eta: f32) -> f32 {
+    Fresnel::Exact.dielectric(1.0, eta).0
+}
+
+/// What is lost by metal that is steeper along x than along y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StretchedLoss {
+    roughness: Step,
+    anisotropy: Step,
+    along: f32,
+    across: f32,
+    /// The mean over the cosine-weighted hemisphere.
+    pub(super) mean: f32,
+}
+
+impl StretchedLoss {
+    /// `along` and `across` are α along x and y: the second is the square of `roughness`, the
+    /// first lies between it and 1 in proportion to the square of `anisotropy`.
+    pub(super) fn new(roughness: f32, anisotropy: f32, [along, across]: [f32; 2]) -> Self {
+        let [roughnesses, anisotropies, ..] = STRETCHED;
+        let roughness = Step::at(roughness, roughnesses);
+        let anisotropy = Step::at(anisotropy, anisotropies);
+        let entry = |r, s| entry(STRETCHED_MEANS + r * anisotropies + s);
+        let part = roughness.between(|r| anisotropy.between(|s| entry(r, s)));
+        let mean = part * usual_loss((0.5 * (along * along + across * across)).sqrt());
+        Self { roughness, anisotropy, along, across, mean }
+    }
+
+    /// α of facets alike in all directions that do to light along `w` nearly what these do: what
+    /// they have in that direction where it is grazing, and the mean of both ways from above.
+    pub(super) fn equal_alpha(&self, w: Vec3) -> f32 {
+        let (along2, across2) = (self.along * self.along, self.across * self.across);
+        let mean = 0.5 * (along2 + across2);
+        (mean * w.z * w.z + along2 * w.x * w.x + across2 * w.y * w.y).sqrt().min(1.0)
+    }
+
+    /// How steep facets are in the direction of `w`: their α there.
+    fn steepness(&self, w: Vec3) -> f32 {
+        let (x, y) = (self.along * w.x, self.across * w.y);
+        let across2 = w.x * w.x + w.y * w.y;
+        if across2 > 0.0 { ((x * x + y * y) / across2).sqrt() } else { self.across }
+    }
+
+    /// The part lost of light that leaves or arrives along `w`.
+    pub(super) fn at(&self, w: Vec3) -> f32 {
+        let [_, anisotropies, turns, angles] = STRETCHED;
+        let seen = self.steepness(w);
+        let turn = Step::at((seen - self.across) / (self.along - self.across), turns);
+        let half_way = seen / (1.0 + 2.0 * seen * seen);
+        let mu = w.z.abs();
+        let angle = Step::at(mu * (1.0 + half_way) / (mu + half_way), angles);
+        let entry =
+            |r, s, t, a| entry(STRETCHED_START + ((r * anisotropies + s) * turns + t) * angles + a);
+        self.roughness.between(|r| {
+            self.anisotropy.between(|s| turn.between(|t| angle.between(|a| entry(r, s, t, a))))
+        })
+    }
+}
+
+/// Where sheen of some roughness stands in its table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SheenAlbedo {
+    roughness: Step,
+}
+
+impl SheenAlbedo {
+    /// `roughness` from [`LEAST_SHEEN`] to 1.
+    pub(super) fn new(roughness: f32) -> Self {
+        let [roughnesses, _] = SHEEN;
+        Self { roughness: Step::at((roughness - LEAST_SHEEN) / (1.0 - LEAST_SHEEN), roughnesses) }
+    }
+
+    /// What white sheen sends back of the light that leaves under the cosine `mu`.
+    pub(super) fn at(&self, mu: f32) -> f32 {
+        let [_, angles] = SHEEN;
+        let angle = Step::at(mu.sqrt(), angles);
+        self.roughness.between(|r| angle.between(|a| entry(SHEEN_START + r * angles + a)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::energy::Loss;
+    use crate::bsdf::sheen::Sheen;
+    use crate::color::Spectrum;
+    use crate::math::warp;
+    use rutilant_geom::Vec2;
+
+    /// What facets reflect, each of them some part of the light, by an integral over all facets
+    /// and not only those seen, even in their slopes: the slope is α t / (1 - t) along each axis
+    /// of the stretch. Λ is Heitz 2014, equation 72, as it is printed.
+    fn sent_on([along, across]: [f64; 2], wo: Vec3, reflects: impl Fn(f64) -> f64) -> f64 {
+        let wo = wo.to_array().map(f64::from);
+        let lambda = |w: [f64; 3]| {
+            let slopes = (along * w[0]).powi(2) + (across * w[1]).powi(2);
+            0.5 * ((1.0 + slopes / (w[2] * w[2])).sqrt() - 1.0)
+        };
+        let (slopes, turns) = (800, 400);
+        let mut sum = 0.0;
+        for i in 0..slopes {
+            let t = (f64::from(i) + 0.5) / f64::from(slopes);
+            let tan = t / (1.0 - t);
+            // D cos θ dω of a stretched slope, over a turn.
+            let area = 2.0 * tan / (1.0 + tan * tan).powi(2) / (1.0 - t).powi(2);
+            for k in 0..turns {
+                let turn = std::f32::consts::TAU * (k as f32 + 0.5) / turns as f32;
+                let (s, c) = real::sin_cos(turn);
+                let m = [along * tan * f64::from(c), across * tan * f64::from(s), 1.0];
+                let length = (m[0] * m[0] + m[1] * m[1] + 1.0).sqrt();
+                let m = m.map(|x| x / length);
+                let cos = wo[0] * m[0] + wo[1] * m[1] + wo[2] * m[2];
+                let wi = [0, 1, 2].map(|k| 2.0 * cos * m[k] - wo[k]);
+                if cos > 0.0 && wi[2] > 0.0 {
+                    let seen = cos / (wo[2] * m[2]) / (1.0 + lambda(wo) + lambda(wi));
+                    sum += reflects(cos) * seen * area / f64::from(slopes * turns);
+                }
+            }
+        }
+        sum
+    }
+
+    fn direction(mu: f32, turn: f32) -> Vec3 {
+        let (s, c) = real::sin_cos(turn);
+        let sin = (1.0 - mu * mu).sqrt();
+        Vec3::new(sin * c, sin * s, mu)
+    }
+
+    /// The table of the rise is what it says, at entries and between them.
+    #[test]
+    fn tables_hold_what_gloss_reflects() {
+        for eta in [1.1_f32, 1.5, 2.2] {
+            for roughness in [0.2_f32, 0.5, 0.93] {
+                for mu in [0.05_f32, 0.3, 0.9] {
+                    let alpha = f64::from(roughness * roughness);
+                    let expected = sent_on([alpha; 2], direction(mu, 0.0), |cos| {
+                        let (f, _) = Fresnel::Exact.dielectric((cos as f32).min(1.0), eta);
+                        f64::from(Rise::of_smooth(f, eta))
+                    });
+                    let lost = Loss::conductor(roughness).at(mu);
+                    let got = (1.0 - lost) * Rise::new(eta, roughness).at(mu);
+                    assert!(
+                        (f64::from(got) - expected).abs() < 6e-3,
+                        "{eta} {roughness} {mu}: {got} {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// That of stretched facets, too; without stretch it is that of the others.
+    #[test]
+    fn tables_hold_what_stretched_facets_lose() {
+        for (roughness, anisotropy) in [(0.2_f32, 0.5_f32), (0.5, 0.9), (0.7, 0.35)] {
+            let across = roughness * roughness;
+            let along = across + (1.0 - across) * anisotropy * anisotropy;
+            let table = StretchedLoss::new(roughness, anisotropy, [along, across]);
+            for mu in [0.1, 0.4, 1.0] {
+                for turn in [0.0, 0.6, 1.5] {
+                    let w = direction(mu, turn);
+                    let lost = 1.0 - sent_on([along, across].map(f64::from), w, |_| 1.0);
+                    let got = f64::from(table.at(w));
+                    assert!(
+                        (got - lost).abs() < 0.012,
+                        "{roughness} {anisotropy} {mu} {turn}: {got} {lost}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// Sheen sends back what its table says, and never more than there is.
+    #[test]
+    fn tables_hold_what_sheen_sends_back() {
+        for roughness in [0.3, 0.55, 1.0] {
+            let sheen = Sheen::new(Spectrum::WHITE, roughness).expect("sheen");
+            for mu in [0.02, 0.2, 0.7, 1.0] {
+                let (wo, n) = (direction(mu, 0.0), 40_000);
+                let mut sum = 0.0;
+                for i in 0..n {
+                    let u = Vec2::new((i as f32 * 0.618_034).fract(), (i as f32 + 0.5) / n as f32);
+                    let wi = warp::uniform_hemisphere(u);
+                    sum += sheen.eval_cos(wo, wi).max_channel() / warp::UNIFORM_HEMISPHERE_PDF;
+                }
+                let (got, expected) = (sheen.taken(mu), sum / n as f32);
+                assert!((got - expected).abs() < 0.012, "{roughness} {mu}: {got} {expected}");
+            }
+        }
+        for roughness in [0.0, 0.3, 0.31, 0.5, 1.0] {
+            let albedo = SheenAlbedo::new(roughness);
+            assert!((0..=100).all(|i| albedo.at(i as f32 / 100.0) <= 1.0), "{roughness}");
+        }
+    }
+}

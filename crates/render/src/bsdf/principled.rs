@@ -1,0 +1,1081 @@
+//! Layers over a base: most surfaces that people make and paint, told by a few plain numbers.
+//!
+//! From the top: fibres that stand up (sheen), a clear coat, and a base that is metal, or a
+//! dielectric over a matte body, or a dielectric that light goes through. Each layer leaves to
+//! those below what it does not send back itself, by tables of what layers reflect in all, so
+//! that no light is made and, where nothing is coloured, none is lost.
+//!
+//! What is smooth is smooth: coats, metals and glass without roughness scatter into single
+//! directions, and chance chooses them alike on the way to the light and back.
+//!
+//! Below a coat or sheen a rough base is not reciprocal: how much comes through is told by the
+//! side of `wo` alone, since only that keeps the balance for every base. Matte below gloss is.
+//!
+//! Not for layers that have a thickness, nor for light that enters and leaves at different places.
+//!
+//! Source: OpenPBR Surface specification 1.1, 2024; glTF 2.0, appendix B, and its extensions
+//! `KHR_materials_*`; Kulla and Conty, "Revisiting Physically Based Shading at Imageworks",
+//! SIGGRAPH course, 2017, for matte below gloss; `microfacet.rs`, `gloss.rs` and `energy.rs`.
+
+use super::energy::Loss;
+use super::fresnel::Fresnel;
+use super::gloss::{self, Rise, StretchedLoss};
+use super::microfacet::{Ggx, StretchedGgx};
+use super::oren_nayar::OrenNayar;
+use super::rough_dielectric::RoughDielectric;
+use super::sample::BsdfSample;
+use super::sheen::Sheen;
+use super::thin_film::ThinFilm;
+use crate::color::Spectrum;
+use crate::math::warp;
+use rutilant_geom::{Vec2, Vec3, real};
+use std::f32::consts::FRAC_1_PI;
+
+/// What a principled surface is at a point: plain numbers, which textures may drive. All but
+/// indices, angles and thicknesses lie between 0 and 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipledParameters {
+    /// What metal reflects at normal incidence, what a matte body sends back, and what is left of
+    /// light each time that it crosses a clear border.
+    pub base_color: Spectrum,
+    /// The share of metal.
+    pub metallic: f32,
+    /// How rough metal and gloss are; α is the square.
+    pub roughness: f32,
+    /// How rough the matte body is: see [`OrenNayar`].
+    pub diffuse_roughness: f32,
+    /// How much steeper facets are along the tangent: α grows from there to 1 by the square.
+    pub anisotropy: f32,
+    /// Where the tangent lies, in radians counter-clockwise from the x axis of the shading frame,
+    /// which must follow the u direction of the surface.
+    pub anisotropy_rotation: f32,
+    /// How much of the dielectric's reflection there is.
+    pub specular: f32,
+    /// A factor on what the dielectric reflects at normal incidence.
+    pub specular_color: Spectrum,
+    /// Index of refraction of the dielectric, over that in front of it.
+    pub eta: f32,
+    /// The part of what enters the dielectric that goes through instead of into a matte body.
+    pub transmission: f32,
+    /// Whether there is nothing behind the surface: light goes through without being bent, and
+    /// the back is like the front.
+    pub thin_walled: bool,
+    /// The part of the matte body that sends light on to the other side.
+    pub diffuse_transmission: f32,
+    /// The colour of that light.
+    pub diffuse_transmission_color: Spectrum,
+    /// How much of the surface is coated.
+    pub coat: f32,
+    /// What is left of light that goes straight through the coat, to the base and back.
+    pub coat_color: Spectrum,
+    /// How rough the coat is; α is the square.
+    pub coat_roughness: f32,
+    /// Index of refraction of the coat, at least 1.
+    pub coat_ior: f32,
+    /// What the fibres reflect; none if black.
+    pub sheen_color: Spectrum,
+    /// How much the fibres lean.
+    pub sheen_roughness: f32,
+    /// How much of metal and gloss is under a thin film.
+    pub iridescence: f32,
+    /// Index of refraction of the film, at least 1.
+    pub iridescence_ior: f32,
+    /// How thick the film is, in nanometres.
+    pub iridescence_thickness_nm: f32,
+}
+
+impl Default for PrincipledParameters {
+    /// Satin plastic: light grey, of index 1.5.
+    fn default() -> Self {
+        Self {
+            base_color: Spectrum::splat(0.8),
+            metallic: 0.0,
+            roughness: 0.3,
+            diffuse_roughness: 0.0,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            specular: 1.0,
+            specular_color: Spectrum::WHITE,
+            eta: 1.5,
+            transmission: 0.0,
+            thin_walled: false,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_color: Spectrum::WHITE,
+            coat: 0.0,
+            coat_color: Spectrum::WHITE,
+            coat_roughness: 0.0,
+            coat_ior: 1.5,
+            sheen_color: Spectrum::BLACK,
+            sheen_roughness: 0.5,
+            iridescence: 0.0,
+            iridescence_ior: 1.3,
+            iridescence_thickness_nm: 400.0,
+        }
+    }
+}
+
+/// A surface of layers, ready to scatter. Where light goes through and there is something behind,
+/// that is where z is negative; else both sides are alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    its: PrincipledParameters,
+    /// The shares of metal, of dielectric over a matte body, and of clear dielectric.
+    metal: f32,
+    opaque: f32,
+    clear: f32,
+    /// Facets of metal and gloss; `None` where they are smooth.
+    facets: Option<Facets>,
+    /// Facets of the border that light crosses; `None` where it is smooth, thin or not there.
+    border: Option<Glass>,
+    film: Option<ThinFilm>,
+    /// What gloss reflects at normal incidence and at grazing, of any channel the most.
+    most: [f32; 2],
+    /// What gloss leaves to a matte body, as a mean over the cosine-weighted hemisphere.
+    mean_left: f32,
+    matte: OrenNayar,
+    /// What a matte body sends on to the other side.
+    matte_through: Spectrum,
+    coat: Option<Coat>,
+    sheen: Option<Sheen>,
+    /// Cosine and sine of the tangent's angle; `None` where there is none to be seen.
+    tangent: Option<Vec2>,
+}
+
+/// Facets that reflect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Facets {
+    ggx: StretchedGgx,
+    loss: Loss,
+    /// Set where they are steeper one way than the other.
+    stretched: Option<StretchedLoss>,
+    rise: Rise,
+    /// What metal and gloss give back on the side of the light of what facets lose, per part lost.
+    many_metal: Spectrum,
+    many_gloss: Spectrum,
+}
+
+/// Facets of glass that bend light: see [`RoughDielectric`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Glass {
+    above: Side,
+    below: Side,
+}
+
+/// What is lost and given back, seen from one side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Side {
+    /// Index of refraction beyond over that on this side.
+    eta: f32,
+    loss: Loss,
+    /// The part of what is lost that crosses the border when it is given back.
+    crossing: f32,
+}
+
+/// A clear layer that reflects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Coat {
+    /// How much of it there is.
+    weight: f32,
+    ior: f32,
+    color: Spectrum,
+    /// `None` where it is smooth.
+    rough: Option<RoughCoat>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RoughCoat {
+    ggx: Ggx,
+    loss: Loss,
+    rise: Rise,
+}
+
+/// What a direction `wo` decides.
+struct View {
+    /// In front of all layers.
+    outside: bool,
+    /// The part of light that sheen leaves to what is below it, and sheen and coat together.
+    below_sheen: f32,
+    below_coat: f32,
+    /// What the coat's colour leaves on the way out.
+    tint: Spectrum,
+    /// What metal and gloss lose between facets.
+    lost: f32,
+    /// What gloss leaves to a matte body.
+    left: f32,
+    /// How often each way of scattering is drawn; all add up to 1.
+    ways: Ways<f32>,
+}
+
+/// The ways of scattering, and something about each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ways<T> {
+    /// Into the mirrored direction.
+    mirror: T,
+    /// Straight through, or bent as by smooth glass.
+    window: T,
+    coat: T,
+    sheen: T,
+    /// By one facet of metal, gloss or the clear border, to either side.
+    facet: T,
+    /// By several facets of metal or gloss.
+    many: T,
+    /// By several facets of the border, to either side.
+    many_glass: T,
+    /// By several facets, through something thin.
+    many_thin: T,
+    matte: T,
+    matte_through: T,
+}
+
+impl Ways<f32> {
+    fn sum(&self) -> f32 {
+        self.mirror + self.window + self.spread_sum()
+    }
+
+    fn spread_sum(&self) -> f32 {
+        self.coat
+            + self.sheen
+            + self.facet
+            + self.many
+            + self.many_glass
+            + self.many_thin
+            + self.matte
+            + self.matte_through
+    }
+
+    fn scaled(&self, by: f32) -> Self {
+        Self {
+            mirror: self.mirror * by,
+            window: self.window * by,
+            coat: self.coat * by,
+            sheen: self.sheen * by,
+            facet: self.facet * by,
+            many: self.many * by,
+            many_glass: self.many_glass * by,
+            many_thin: self.many_thin * by,
+            matte: self.matte * by,
+            matte_through: self.matte_through * by,
+        }
+    }
+}
+
+/// One of the ways of scattering.
+#[derive(Clone, Copy)]
+enum Way {
+    Mirror,
+    Window,
+    Coat,
+    Sheen,
+    Facet,
+    Many,
+    ManyGlass,
+    ManyThin,
+    Matte,
+    MatteThrough,
+}
+
+/// What the clear border does to light at one of its facets.
+struct Crossing {
+    /// What it reflects.
+    reflected: Spectrum,
+    /// The part that crosses, before it is coloured.
+    passed: f32,
+    /// The cosine beyond.
+    cos_beyond: f32,
+    /// The cosine in front of the border.
+    cos_outside: f32,
+}
+
+impl Principled {
+    /// The layers that the numbers say. Numbers outside their ranges give numbers, or no numbers,
+    /// but no panic.
+    pub fn new(its: PrincipledParameters) -> Self {
+        let metal = its.metallic;
+        let clear = (1.0 - metal) * its.transmission;
+        let opaque = (1.0 - metal) * (1.0 - its.transmission);
+        let film =
+            ThinFilm::new(its.iridescence, its.iridescence_ior, its.iridescence_thickness_nm);
+
+        // Facets are steeper along the tangent.
+        let alpha = its.roughness * its.roughness;
+        let along = alpha + (1.0 - alpha) * its.anisotropy * its.anisotropy;
+        let is_rough = along >= Ggx::LEAST_ALPHA;
+        let across = alpha.max(Ggx::LEAST_ALPHA);
+        let is_stretched = is_rough && along > across * 1.001;
+        let steepness = (0.5 * (along * along + across * across)).sqrt().sqrt();
+
+        let mut layers = Self {
+            its,
+            metal,
+            opaque,
+            clear,
+            facets: None,
+            border: None,
+            film,
+            most: [0.0; 2],
+            mean_left: 1.0,
+            matte: OrenNayar::new(
+                its.base_color * (1.0 - its.diffuse_transmission),
+                its.diffuse_roughness,
+            ),
+            matte_through: its.diffuse_transmission_color * its.diffuse_transmission,
+            coat: Coat::new(&its),
+            sheen: Sheen::new(its.sheen_color, its.sheen_roughness),
+            tangent: is_stretched.then(|| {
+                let (s, c) = real::sin_cos(its.anisotropy_rotation);
+                Vec2::new(c, s)
+            }),
+        };
+        layers.most = layers.most_gloss();
+        let mean_rise = Rise::new(its.eta, 0.0).mean;
+        let [normal, grazing] = layers.most;
+        if !is_rough {
+            layers.mean_left = 1.0 - (normal + (grazing - normal) * mean_rise);
+            return layers;
+        }
+
+        // What facets lose, and how much of it metal and gloss give back.
+        let loss = Loss::metal(steepness).roughly_averaged();
+        let stretched = is_stretched
+            .then(|| StretchedLoss::new(across.sqrt(), its.anisotropy, [along, across]));
+        let mean_lost = stretched.map_or(loss.mean, |s| s.mean);
+        let series = |f: f32| f * f * (1.0 - mean_lost) / (1.0 - f * mean_lost);
+        let [mean_metal, mean_gloss] = layers.mean_reflectances(mean_rise);
+        let rise = Rise::new(its.eta, steepness);
+        let (many_metal, many_gloss) = (mean_metal.map(series), mean_gloss.map(series));
+        layers.facets = Some(Facets {
+            ggx: StretchedGgx { along, across: if is_stretched { across } else { along } },
+            loss: loss.with_mean(mean_lost),
+            stretched,
+            rise,
+            many_metal,
+            many_gloss,
+        });
+        let once = normal * (1.0 - mean_lost) + (grazing - normal) * rise.mean;
+        layers.mean_left = 1.0 - (once + mean_lost * many_gloss.max_channel());
+
+        // The border that light crosses.
+        let ratio = its.eta.max(1.0 / its.eta);
+        if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
+            // Stretched facets give back a little less than they lose: what is lost is not known
+            // well enough for more, and no light may be made.
+            let more = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
+            layers.border = Some(Glass::new(its.eta, steepness, more));
+        }
+        layers
+    }
+
+    /// The same over another index of refraction, where there is something behind it.
+    pub(super) fn with_eta(&self, eta: f32) -> Self {
+        Self::new(PrincipledParameters { eta, ..self.its })
+    }
+
+    /// True where what is behind the surface is another medium.
+    fn has_inside(&self) -> bool {
+        let crossed = self.clear > 0.0 || self.opaque > 0.0 && !self.matte_through.is_black();
+        crossed && !self.its.thin_walled
+    }
+
+    /// True where light crosses the surface without being spread.
+    fn is_clear(&self) -> bool {
+        let rough =
+            if self.its.thin_walled { self.facets.is_some() } else { self.border.is_some() };
+        self.clear > 0.0 && !rough
+    }
+
+    /// True where gloss reflects anything.
+    fn is_glossy(&self) -> bool {
+        self.most[1] > 0.0
+    }
+
+    /// True when some of it is scattered into single directions.
+    pub(super) fn has_delta(&self) -> bool {
+        let mirror = self.metal > 0.0 || self.opaque > 0.0 && self.is_glossy();
+        self.facets.is_none() && mirror
+            || self.is_clear()
+            || self.coat.is_some_and(|c| c.rough.is_none())
+    }
+
+    /// True when some of it is not.
+    pub(super) fn has_spread(&self) -> bool {
+        let matte = !self.matte.albedo().is_black() || !self.matte_through.is_black();
+        self.sheen.is_some()
+            || self.coat.is_some_and(|c| c.rough.is_some())
+            || self.opaque > 0.0 && matte
+            || self.facets.is_some()
+                && (self.metal > 0.0
+                    || self.opaque > 0.0 && self.is_glossy()
+                    || self.clear > 0.0 && !self.is_clear())
+    }
+
+    /// True for what scatters light through the surface, and not into single directions.
+    pub(super) fn is_translucent(&self) -> bool {
+        self.opaque > 0.0 && !self.matte_through.is_black() || self.clear > 0.0 && !self.is_clear()
+    }
+
+    /// How often light is scattered into a single direction, seen from straight above.
+    pub(super) fn delta_pmf(&self) -> f32 {
+        let ways = self.view(Vec3::Z).ways;
+        ways.mirror + ways.window
+    }
+
+    /// About what part of white light is sent on.
+    pub(super) fn albedo(&self) -> Spectrum {
+        let view = self.view(Vec3::Z);
+        let matte = (self.matte.albedo() + self.matte_through) * (view.left * self.opaque);
+        let Crossing { reflected, passed, .. } = self.crossing(1.0, true);
+        let clear = (reflected + self.its.base_color * passed) * self.clear;
+        let gloss = self.gloss(1.0) * self.opaque;
+        let base = matte + clear + gloss + self.metal(1.0) * self.metal;
+        let coat = self.coat.map_or(0.0, |c| c.weight * c.reflected(1.0)) * view.below_sheen;
+        let sheen = self.sheen.map_or(Spectrum::BLACK, |s| s.albedo(1.0));
+        base * view.tint * view.tint * view.below_coat + Spectrum::splat(coat) + sheen
+    }
+
+    /// BSDF value times cosine, `f(wo, wi) |cos θi|`, and the density with which
+    /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Without what goes into single directions.
+    #[inline(never)]
+    pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        let (wo, wi) = (self.to_tangent(wo, wo), self.to_tangent(wi, wo));
+        if wo.z == 0.0 || wi.z == 0.0 {
+            return (Spectrum::BLACK, 0.0);
+        }
+        self.seen(&self.view(wo), wo, wi)
+    }
+
+    /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`
+    /// where nothing is scattered.
+    #[inline(never)]
+    pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        let local = self.to_tangent(wo, wo);
+        if local.z == 0.0 {
+            return None;
+        }
+        let view = self.view(local);
+        let sample = self.draw(&view, local, choice, u)?;
+        Some(BsdfSample { wi: self.from_tangent(sample.wi, wo), ..sample })
+    }
+
+    fn draw(&self, view: &View, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        let (way, choice) = view.ways.choose(choice)?;
+        let up = Vec3::new(wo.x, wo.y, wo.z.abs());
+        let facing = |w: Vec3| if wo.z < 0.0 { Vec3::new(w.x, w.y, -w.z) } else { w };
+        let mut eta = 1.0;
+        let above = match way {
+            Way::Mirror => return self.mirrored(view, wo),
+            Way::Window => return self.passed(view, wo),
+            Way::Coat => {
+                let facet = self.coat?.rough?.ggx.sample_seen(up, u);
+                Some(2.0 * up.dot(facet) * facet - up).filter(|w| w.z > 0.0)
+            }
+            Way::Sheen => Some(warp::uniform_hemisphere(u)),
+            Way::Facet => {
+                let facet = self.facets?.ggx.sample_seen(up, u);
+                let cos = up.dot(facet).clamp(0.0, 1.0);
+                let mirrored = 2.0 * cos * facet - up;
+                let crossing = self.crossing(cos, view.outside);
+                if choice < self.reflects(cos, &crossing) {
+                    Some(mirrored).filter(|w| w.z > 0.0)
+                } else if self.its.thin_walled {
+                    Some(-mirrored).filter(|w| w.z < 0.0).map(|w| Vec3::new(-w.x, -w.y, w.z))
+                } else {
+                    eta = self.index_beyond(view.outside);
+                    let bent = (cos / eta - crossing.cos_beyond) * facet - up / eta;
+                    Some(bent).filter(|w| w.z < 0.0)
+                }
+            }
+            Way::Many => Some(self.facets?.loss.sample(u)),
+            Way::ManyThin => Some(-self.facets?.loss.sample(u)),
+            Way::ManyGlass => {
+                let (side, beyond) = self.border.as_ref()?.seen_from(view.outside);
+                if choice < side.crossing {
+                    eta = self.index_beyond(view.outside);
+                    Some(-beyond.loss.sample(u))
+                } else {
+                    Some(side.loss.sample(u))
+                }
+            }
+            Way::Matte => {
+                let matte = if self.its.diffuse_roughness == 0.0 {
+                    Some(warp::cosine_hemisphere(u))
+                } else {
+                    self.matte.sample(up, choice, u).map(|s| s.wi)
+                };
+                matte.filter(|w| w.z > 0.0)
+            }
+            Way::MatteThrough => {
+                eta = self.index_beyond(view.outside);
+                Some(-warp::cosine_hemisphere(u)).filter(|w| w.z < 0.0)
+            }
+        };
+        let wi = facing(above?.try_normalize()?);
+        let (value, pdf) = self.seen(view, wo, wi);
+        (pdf > 0.0).then(|| BsdfSample { wi, weight: value / pdf, pdf, delta: false, eta })
+    }
+
+    /// The mirrored direction, by base and coat together.
+    fn mirrored(&self, view: &View, wo: Vec3) -> Option<BsdfSample> {
+        let o = wo.z.abs();
+        let mut value = Spectrum::BLACK;
+        if self.facets.is_none() {
+            value += self.metal(o) * self.metal + self.gloss(o) * self.opaque;
+        }
+        if self.is_clear() {
+            value += self.crossing(o, view.outside).reflected * self.clear;
+        }
+        value *= view.tint * view.tint * view.below_coat;
+        if let Some(coat) = self.smooth_coat(view) {
+            value += Spectrum::splat(coat.weight * coat.reflected(o) * view.below_sheen);
+        }
+        let pdf = view.ways.mirror;
+        let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+        Some(BsdfSample { wi, weight: value / pdf, pdf, delta: true, eta: 1.0 })
+    }
+
+    /// The way through a clear border that is smooth or thin.
+    fn passed(&self, view: &View, wo: Vec3) -> Option<BsdfSample> {
+        let crossing = self.crossing(wo.z.abs(), view.outside);
+        let eta = self.index_beyond(view.outside);
+        let wi = if eta == 1.0 {
+            -wo
+        } else {
+            let down = -crossing.cos_beyond.copysign(wo.z);
+            Vec3::new(-wo.x / eta, -wo.y / eta, down).normalize()
+        };
+        let tint = self.coat.map_or(Spectrum::WHITE, |c| c.leg(crossing.cos_outside));
+        let value = self.its.base_color * tint * (self.clear * crossing.passed * view.below_coat);
+        let pdf = view.ways.window;
+        let weight = value / (pdf * eta * eta);
+        (wi.z != 0.0).then_some(BsdfSample { wi, weight, pdf, delta: true, eta })
+    }
+
+    /// What is sent from `wi` to `wo`, with the density of drawing it.
+    fn seen(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        let (o, i) = (wo.z.abs(), wi.z.abs());
+        let ways = &view.ways;
+        if wo.z * wi.z < 0.0 {
+            return self.seen_through(view, wo, wi);
+        }
+
+        // The base: metal and gloss by one facet and by several.
+        let (mut base, mut pdf) = (Spectrum::BLACK, 0.0);
+        let half = wo + wi;
+        let length = half.length();
+        let facet = half * (half.z.signum() / length);
+        let cos = (0.5 * length).min(1.0);
+        if let (Some(facets), true) = (&self.facets, length > 0.0) {
+            let (length_o, length_i) =
+                (facets.ggx.squeezed_length(wo), facets.ggx.squeezed_length(wi));
+            // Height-correlated G2 / (4 o i) (Heitz 2014, equation 99).
+            let hidden = o * length_i + i * length_o;
+            if hidden > 0.0 && ways.facet > 0.0 {
+                let density = facets.ggx.density(facet) * 0.5;
+                let crossing = self.crossing(cos, view.outside);
+                base += self.rough_color(cos, &crossing) * (density * i / hidden);
+                pdf += ways.facet * self.reflects(cos, &crossing) * density / (o + length_o);
+            }
+            let many = self.many();
+            base += many * (view.lost * facets.lost(wi) * i * FRAC_1_PI / facets.loss.mean);
+            pdf += ways.many * facets.loss.pdf(i);
+        }
+        if let (Some(glass), Some(facets)) = (&self.border, &self.facets) {
+            let (side, _) = glass.seen_from(view.outside);
+            let returning = 1.0 - side.crossing;
+            let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(side, wi);
+            let lobe = lost * i * (FRAC_1_PI / side.loss.mean);
+            base += Spectrum::splat(self.clear * returning * lobe);
+            pdf += ways.many_glass * returning * side.loss.pdf(i);
+        }
+
+        // The matte body below gloss.
+        if ways.matte > 0.0 {
+            // From flat to rough clay, which does not send light on evenly, the share that
+            // `wi` has in what gloss takes goes over to `wo`.
+            let roughness = self.its.diffuse_roughness;
+            let entering = self.left(wi) / self.mean_left;
+            let through = self.opaque * view.left * (entering + (1.0 - entering) * roughness);
+            if self.its.diffuse_roughness == 0.0 {
+                base += self.matte.albedo() * (through * i * FRAC_1_PI);
+                pdf += ways.matte * warp::cosine_hemisphere_pdf(i);
+            } else {
+                base += self.matte.eval_cos(wo, wi) * through;
+                pdf += ways.matte * self.matte.pdf(wo, wi);
+            }
+        }
+        let tint_in = match &self.coat {
+            Some(coat) if view.outside => coat.leg(i),
+            _ => Spectrum::WHITE,
+        };
+        let mut value = base * view.tint * tint_in * view.below_coat;
+
+        // Coat and sheen above it.
+        if let (Some(coat), true) = (&self.coat, ways.coat > 0.0)
+            && let (Some(rough), true) = (&coat.rough, length > 0.0)
+        {
+            let (length_o, length_i) =
+                (rough.ggx.squeezed_length(wo), rough.ggx.squeezed_length(wi));
+            let density = rough.ggx.density(facet) * 0.5;
+            let (reflected, _) = Fresnel::Exact.dielectric(cos, coat.ior);
+            let once = density * i / (o * length_i + i * length_o);
+            value += Spectrum::splat(coat.weight * reflected * once * view.below_sheen);
+            pdf += ways.coat * density / (o + length_o);
+        }
+        if let (Some(sheen), true) = (&self.sheen, ways.sheen > 0.0) {
+            value += sheen.eval_cos(wo, wi);
+            pdf += ways.sheen * warp::UNIFORM_HEMISPHERE_PDF;
+        }
+        (value, pdf)
+    }
+
+    /// The same through the surface.
+    fn seen_through(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        let (o, i) = (wo.z.abs(), wi.z.abs());
+        let ways = &view.ways;
+        let eta = self.index_beyond(view.outside);
+        let (mut value, mut pdf) = (Spectrum::BLACK, 0.0);
+
+        // Through a rough border: by one facet and by several.
+        if let (Some(glass), Some(facets), true) = (&self.border, &self.facets, ways.facet > 0.0) {
+            let (side, beyond) = glass.seen_from(view.outside);
+            let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(beyond, wi);
+            let lobe = lost * i * (FRAC_1_PI / beyond.loss.mean);
+            let many = self.clear * side.crossing * lobe / (eta * eta);
+            pdf += ways.many_glass * side.crossing * beyond.loss.pdf(i);
+            value += self.its.base_color * many;
+            let half = wo + wi * eta;
+            let length2 = half.length_squared();
+            let facet = half * (half.z.signum() / length2.sqrt());
+            let (cos_o, cos_i) = (wo.dot(facet) * wo.z.signum(), wi.dot(facet) * wi.z.signum());
+            if length2 > 0.0 && cos_o > 0.0 && cos_i > 0.0 {
+                // Walter 2007, equations 17 and 21, with separate masking.
+                let crossing = self.crossing(cos_o.min(1.0), view.outside);
+                let (length_o, length_i) =
+                    (facets.ggx.squeezed_length(wo), facets.ggx.squeezed_length(wi));
+                let once =
+                    facets.ggx.density(facet) * cos_o * cos_i / length2 * 2.0 / (o + length_o);
+                let passed = self.clear * crossing.passed * once * 2.0 * i / (i + length_i);
+                value += self.its.base_color * passed;
+                pdf += ways.facet
+                    * (1.0 - self.reflects(cos_o.min(1.0), &crossing))
+                    * once
+                    * eta
+                    * eta;
+            }
+        }
+
+        // Through something thin: as reflected, on the other side.
+        if let (Some(facets), true) = (&self.facets, self.its.thin_walled && self.clear > 0.0) {
+            let back = Vec3::new(wi.x, wi.y, -wi.z);
+            let half = wo + back;
+            let length = half.length();
+            let (length_o, length_i) =
+                (facets.ggx.squeezed_length(wo), facets.ggx.squeezed_length(wi));
+            if length > 0.0 && ways.facet > 0.0 {
+                let density = facets.ggx.density(half * (half.z.signum() / length)) * 0.5;
+                let cos = (0.5 * length).min(1.0);
+                let crossing = self.crossing(cos, view.outside);
+                let once = density * i / (o * length_i + i * length_o);
+                value += self.its.base_color * (self.clear * crossing.passed * once);
+                pdf +=
+                    ways.facet * (1.0 - self.reflects(cos, &crossing)) * density / (o + length_o);
+            }
+            let lobe = view.lost * facets.lost(wi) * i * FRAC_1_PI / facets.loss.mean;
+            value += self.its.base_color * (self.clear * self.many_thin() * lobe);
+            pdf += ways.many_thin * facets.loss.pdf(i);
+        }
+
+        // Through a matte body.
+        if ways.matte_through > 0.0 {
+            let through = self.opaque * view.left * self.left(wi) / self.mean_left;
+            value += self.matte_through * (through * i * FRAC_1_PI / (eta * eta));
+            pdf += ways.matte_through * warp::cosine_hemisphere_pdf(i);
+        }
+        let tint = match &self.coat {
+            Some(coat) if !view.outside => coat.leg(i),
+            _ => view.tint,
+        };
+        (value * tint * view.below_coat, pdf)
+    }
+
+    /// What `wo` decides, in the frame of the tangent.
+    fn view(&self, wo: Vec3) -> View {
+        let o = wo.z.abs();
+        let outside = wo.z > 0.0;
+        // The layers are in front, and on both sides of what has no inside.
+        let below_sheen = match &self.sheen {
+            Some(sheen) if outside => 1.0 - sheen.taken(o),
+            _ => 1.0,
+        };
+        let (coat, tint) = match &self.coat {
+            Some(coat) if outside => (coat.weight * coat.reflected(o), coat.leg(o)),
+            _ => (0.0, Spectrum::WHITE),
+        };
+        let below_coat = below_sheen * (1.0 - coat);
+        let lost = self.facets.as_ref().map_or(0.0, |f| f.lost(wo));
+        let left = self.left_of(lost, wo);
+
+        // What each sends on, of white light.
+        let its = &self.its;
+        let color = its.base_color.max_channel();
+        let reflected =
+            self.metal * self.metal(o).max_channel() + self.opaque * self.gloss(o).max_channel();
+        let crossing = self.crossing(o, outside);
+        let mut ways = Ways {
+            sheen: 1.0 - below_sheen,
+            matte: below_coat * self.opaque * left * self.matte.albedo().max_channel(),
+            matte_through: below_coat * self.opaque * left * self.matte_through.max_channel(),
+            ..Ways::default()
+        };
+        match self.coat {
+            Some(Coat { rough: Some(_), .. }) => ways.coat = below_sheen * coat,
+            Some(Coat { rough: None, .. }) => ways.mirror += below_sheen * coat,
+            None => {}
+        }
+        if self.is_clear() {
+            ways.mirror += below_coat * self.clear * crossing.reflected.max_channel();
+            ways.window = below_coat * self.clear * crossing.passed * color;
+        }
+        if let Some(facets) = &self.facets {
+            ways.facet = below_coat * (1.0 - lost) * reflected;
+            ways.many = below_coat * lost * self.many().max_channel();
+            if let Some(glass) = &self.border {
+                let lost = facets.lost_by_glass(glass.seen_from(outside).0, wo);
+                ways.facet += below_coat * self.clear * (1.0 - lost);
+                ways.many_glass = below_coat * self.clear * lost;
+            } else if self.clear > 0.0 && its.thin_walled {
+                let once = crossing.reflected.max_channel() + crossing.passed * color;
+                ways.facet += below_coat * self.clear * (1.0 - lost) * once;
+                ways.many_thin = below_coat * self.clear * lost * self.many_thin() * color;
+            }
+        } else {
+            ways.mirror += below_coat * reflected;
+        }
+        let sum = ways.sum();
+        ways = if sum > 0.0 { ways.scaled(1.0 / sum) } else { Ways::default() };
+
+        // Glass is crossed as often from inside as from outside: light paths rely on it.
+        if !outside && ways.window > 0.0 {
+            let other = Vec3::new(0.0, 0.0, crossing.cos_outside);
+            let sin = (1.0 - other.z * other.z).max(0.0).sqrt();
+            let across = Vec2::new(wo.x, wo.y).normalize_or(Vec2::X) * sin;
+            let window = self.view(Vec3::new(across.x, across.y, other.z)).ways.window;
+            let rest = ways.mirror + ways.spread_sum();
+            let scale = if rest > 0.0 { (1.0 - window) / rest } else { 0.0 };
+            ways = Ways { window, ..ways.scaled(scale) };
+        }
+        View { outside, below_sheen, below_coat, tint, lost, left, ways }
+    }
+
+    /// What metal reflects at a facet: Schlick's approximation, and grazing light whole.
+    fn metal(&self, cos: f32) -> Spectrum {
+        let m = 1.0 - cos;
+        let rise = (m * m) * (m * m) * m;
+        let bare = self.its.base_color.map(|c| c + (1.0 - c) * rise);
+        self.filmed(bare, self.its.base_color, cos)
+    }
+
+    /// What gloss reflects at a facet, seen from the thinner side.
+    fn gloss(&self, cos: f32) -> Spectrum {
+        let eta = self.its.eta.max(1.0 / self.its.eta);
+        self.gloss_of(Fresnel::Exact.dielectric(cos, eta).0, cos)
+    }
+
+    /// The same where Fresnel's equations say how much.
+    fn gloss_of(&self, reflected: f32, cos: f32) -> Spectrum {
+        let normal = self.normal_gloss();
+        let grazing = self.its.specular;
+        let rise = Rise::of_smooth(reflected, self.its.eta);
+        self.filmed(normal.map(|f| f + (grazing - f) * rise), normal, cos)
+    }
+
+    /// What gloss reflects at normal incidence: `KHR_materials_specular`.
+    fn normal_gloss(&self) -> Spectrum {
+        let bare = gloss::normal_reflectance(self.its.eta);
+        self.its.specular_color.map(|c| (bare * c).min(1.0) * self.its.specular)
+    }
+
+    /// The same under the thin film, if there is one.
+    fn filmed(&self, bare: Spectrum, normal: Spectrum, cos: f32) -> Spectrum {
+        match &self.film {
+            None => bare,
+            Some(film) => {
+                bare * (1.0 - film.strength) + film.reflectance(cos, normal) * film.strength
+            }
+        }
+    }
+
+    /// How much gloss reflects of any channel, as parts at normal incidence and at grazing that
+    /// between them rise as Fresnel's equations do. At no angle less than there is: what is below
+    /// a film gets a little less than it might.
+    fn most_gloss(&self) -> [f32; 2] {
+        let normal = self.normal_gloss().max_channel();
+        let Some(film) = &self.film else { return [normal, self.its.specular] };
+        let grazing = self.its.specular + (1.0 - self.its.specular) * film.strength;
+        let eta = self.its.eta.max(1.0 / self.its.eta);
+        let normal = cosines().fold(0.0_f32, |most, cos| {
+            let (reflected, _) = Fresnel::Exact.dielectric(cos, eta);
+            let rise = Rise::of_smooth(reflected, eta);
+            let here = self.gloss_of(reflected, cos).max_channel();
+            if rise < 0.9 { most.max((here - rise * grazing) / (1.0 - rise)) } else { most }
+        });
+        [normal.clamp(0.0, 1.0), grazing]
+    }
+
+    /// What metal and gloss reflect as means over the cosine-weighted hemisphere.
+    fn mean_reflectances(&self, mean_rise: f32) -> [Spectrum; 2] {
+        if self.film.is_none() {
+            let grazing = self.its.specular;
+            // The mean of (1 - cos)⁵ is 1/21.
+            return [
+                self.its.base_color.map(|c| c + (1.0 - c) / 21.0),
+                self.normal_gloss().map(|f| f + (grazing - f) * mean_rise),
+            ];
+        }
+        let sum = cosines().fold([Spectrum::BLACK; 2], |[metal, gloss], cos| {
+            [metal + self.metal(cos), gloss + self.gloss(cos)]
+        });
+        sum.map(|sum| sum / COSINES as f32)
+    }
+
+    /// What gloss leaves to a matte body of light along `w`.
+    fn left(&self, w: Vec3) -> f32 {
+        self.left_of(self.facets.as_ref().map_or(0.0, |f| f.lost(w)), w)
+    }
+
+    fn left_of(&self, lost: f32, w: Vec3) -> f32 {
+        let mu = w.z.abs();
+        let [normal, grazing] = self.most;
+        let reflected = match &self.facets {
+            None => {
+                let eta = self.its.eta.max(1.0 / self.its.eta);
+                let (reflected, _) = Fresnel::Exact.dielectric(mu, eta);
+                normal + (grazing - normal) * Rise::of_smooth(reflected, eta)
+            }
+            Some(facets) => {
+                let once = (1.0 - lost) * (normal + (grazing - normal) * facets.rise(w));
+                once + lost * facets.many_gloss.max_channel()
+            }
+        };
+        (1.0 - reflected).max(0.0)
+    }
+
+    /// What metal and gloss give back of what facets lose, per part lost.
+    fn many(&self) -> Spectrum {
+        let Some(facets) = &self.facets else { return Spectrum::BLACK };
+        let gloss = self.opaque + if self.its.thin_walled { self.clear } else { 0.0 };
+        facets.many_metal * self.metal + facets.many_gloss * gloss
+    }
+
+    /// The part of what facets of something thin lose that goes through.
+    fn many_thin(&self) -> f32 {
+        self.facets.as_ref().map_or(0.0, |f| 1.0 - f.many_gloss.max_channel())
+    }
+
+    /// What the clear border does to light under the cosine `cos` on the side of `wo`.
+    fn crossing(&self, cos: f32, outside: bool) -> Crossing {
+        let nothing =
+            Crossing { reflected: Spectrum::BLACK, passed: 0.0, cos_beyond: 0.0, cos_outside: cos };
+        if self.clear == 0.0 {
+            return nothing;
+        }
+        if self.its.thin_walled {
+            let reflected = self.gloss(cos);
+            let passed = (1.0 - reflected.max_channel()).max(0.0);
+            return Crossing { reflected, passed, cos_beyond: cos, ..nothing };
+        }
+        let eta = if outside { self.its.eta } else { 1.0 / self.its.eta };
+        let (reflected, cos_beyond) = Fresnel::Exact.dielectric(cos, eta);
+        if cos_beyond == 0.0 {
+            return Crossing { reflected: Spectrum::WHITE, ..nothing };
+        }
+        let cos_outside = if outside { cos } else { cos_beyond };
+        let reflected = self.gloss_of(reflected, cos_outside);
+        let passed = (1.0 - reflected.max_channel()).max(0.0);
+        if outside {
+            return Crossing { reflected, passed, cos_beyond, cos_outside };
+        }
+        // From inside, coat and sheen stand behind the border and send their part back.
+        let sheen = self.sheen.map_or(0.0, |s| s.taken(cos_outside));
+        let coat = self.coat.map_or(0.0, |c| c.weight * c.reflected(cos_outside));
+        let through = (1.0 - sheen) * (1.0 - coat);
+        let returned = Spectrum::splat(passed * (1.0 - through));
+        Crossing {
+            reflected: reflected + returned,
+            passed: passed * through,
+            cos_beyond,
+            cos_outside,
+        }
+    }
+
+    /// The colour that rough facets reflect.
+    fn rough_color(&self, cos: f32, crossing: &Crossing) -> Spectrum {
+        let base = self.metal(cos) * self.metal + self.gloss(cos) * self.opaque;
+        if self.clear > 0.0 && !self.is_clear() {
+            base + crossing.reflected * self.clear
+        } else {
+            base
+        }
+    }
+
+    /// How often a rough facet reflects, of all light that it sends on.
+    fn reflects(&self, cos: f32, crossing: &Crossing) -> f32 {
+        if self.clear == 0.0 || self.is_clear() {
+            return 1.0;
+        }
+        let reflected = self.rough_color(cos, crossing).max_channel();
+        let passed = self.clear * crossing.passed * self.its.base_color.max_channel();
+        if passed > 0.0 { reflected / (reflected + passed) } else { 1.0 }
+    }
+
+    /// The index of refraction beyond the surface over that before it.
+    fn index_beyond(&self, outside: bool) -> f32 {
+        match (self.its.thin_walled, outside) {
+            (true, _) => 1.0,
+            (false, true) => self.its.eta,
+            (false, false) => 1.0 / self.its.eta,
+        }
+    }
+
+    fn smooth_coat(&self, view: &View) -> Option<&Coat> {
+        self.coat.as_ref().filter(|c| c.rough.is_none() && view.outside)
+    }
+
+    /// A direction in the frame of the tangent, on the side where the layers are if it has no
+    /// inside; `wo` says from where the surface is seen.
+    fn to_tangent(&self, w: Vec3, wo: Vec3) -> Vec3 {
+        let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
+        self.tangent.map_or(w, |t| Vec3::new(t.x * w.x + t.y * w.y, t.x * w.y - t.y * w.x, w.z))
+    }
+
+    /// The way back.
+    fn from_tangent(&self, w: Vec3, wo: Vec3) -> Vec3 {
+        let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
+        self.tangent.map_or(w, |t| Vec3::new(t.x * w.x - t.y * w.y, t.x * w.y + t.y * w.x, w.z))
+    }
+}
+
+/// How many angles are looked at where a film makes tables useless.
+const COSINES: u32 = 12;
+
+/// Their cosines, spread as diffuse light is.
+fn cosines() -> impl Iterator<Item = f32> {
+    (0..COSINES).map(|n| ((n as f32 + 0.5) / COSINES as f32).sqrt())
+}
+
+impl Ways<f32> {
+    /// Draws one of them; what is left of the choice is as good as new.
+    fn choose(&self, choice: f32) -> Option<(Way, f32)> {
+        let all = [
+            (Way::Mirror, self.mirror),
+            (Way::Window, self.window),
+            (Way::Coat, self.coat),
+            (Way::Sheen, self.sheen),
+            (Way::Facet, self.facet),
+            (Way::Many, self.many),
+            (Way::ManyGlass, self.many_glass),
+            (Way::ManyThin, self.many_thin),
+            (Way::Matte, self.matte),
+            (Way::MatteThrough, self.matte_through),
+        ];
+        let (mut left, mut chosen) = (choice, None);
+        for (way, pmf) in all {
+            if pmf > 0.0 {
+                chosen = Some((way, (left / pmf).min(1.0 - 0.5 * f32::EPSILON)));
+                if left < pmf {
+                    break;
+                }
+                left -= pmf;
+            }
+        }
+        chosen
+    }
+}
+
+impl Facets {
+    /// What metal loses of light along `w`.
+    fn lost(&self, w: Vec3) -> f32 {
+        self.stretched.map_or_else(|| self.loss.at(w.z.abs()), |s| s.at(w))
+    }
+
+    /// How the reflection of gloss rises towards grazing, for light along `w`.
+    fn rise(&self, w: Vec3) -> f32 {
+        let mu = w.z.abs();
+        match &self.stretched {
+            None => self.rise.at(mu),
+            Some(stretched) => self.rise.at_roughness(mu, stretched.equal_alpha(w).sqrt()),
+        }
+    }
+
+    /// What a border that light crosses loses along `w`, seen from `side`: where facets are steeper
+    /// one way than the other, in proportion to what metal does.
+    fn lost_by_glass(&self, side: &Side, w: Vec3) -> f32 {
+        let mu = w.z.abs();
+        let Some(stretched) = &self.stretched else { return side.loss.at(mu) };
+        let roughness = stretched.equal_alpha(w).sqrt();
+        let usual = Loss::metal(roughness).at(mu);
+        let lost = Loss::glass(roughness, side.eta).at(mu);
+        if usual > 0.0 { (lost * stretched.at(w) / usual).min(1.0) } else { lost }
+    }
+}
+
+impl Glass {
+    /// As [`RoughDielectric::new`], but more is lost in the mean by a factor.
+    fn new(eta: f32, roughness: f32, more: f32) -> Self {
+        let loss = |eta: f32| {
+            let loss = Loss::glass(roughness, eta).roughly_averaged();
+            loss.with_mean((loss.mean * more).min(1.0))
+        };
+        let (above, below) = (loss(eta), loss(1.0 / eta));
+        // From the denser side so much less crosses.
+        let denser = if eta < 1.0 { eta * eta } else { 1.0 };
+        let through = Rise::mean_transmittance(eta) * denser / above.mean.max(below.mean);
+        Self {
+            above: Side { eta, loss: above, crossing: through * below.mean },
+            below: Side {
+                eta: 1.0 / eta,
+                loss: below,
+                crossing: through * above.mean / (eta * eta),
+            },
+        }
+    }
+
+    /// The side that is seen, and the other one.
+    fn seen_from(&self, outside: bool) -> (&Side, &Side) {
+        if outside { (&self.above, &self.below) } else { (&self.below, &self.above) }
+    }
+}
+
+impl Coat {
+    fn new(its: &PrincipledParameters) -> Option<Self> {
+        let alpha = its.coat_roughness * its.coat_roughness;
+        let rough = (alpha >= Ggx::LEAST_ALPHA).then(|| RoughCoat {
+            ggx: Ggx { alpha },
+            loss: Loss::metal(its.coat_roughness),
+            rise: Rise::new(its.coat_ior, its.coat_roughness),
+        });
+        let weight = its.coat;
+        let color = its.coat_color.map(|c| 1.0 + (c - 1.0) * weight);
+        (weight > 0.0).then_some(Self { weight, ior: its.coat_ior, color, rough })
+    }
+
+    /// The part that it reflects in all under the cosine `mu`.
+    fn reflected(&self, mu: f32) -> f32 {
+        match &self.rough {
+            None => Fresnel::Exact.dielectric(mu, self.ior).0,
+            Some(rough) => {
+                let normal = gloss::normal_reflectance(self.ior);
+                (1.0 - rough.loss.at(mu)) * (normal + (1.0 - normal) * rough.rise.at(mu))
+            }
+        }
+    }
+
+    /// What is left of light on its way through, under the cosine `mu` outside: slanted ways are
+    /// longer.
+    fn leg(&self, mu: f32) -> Spectrum {
+        if self.color == Spectrum::WHITE {
+            return Spectrum::WHITE;
+        }
+        let (_, cos) = Fresnel::Exact.dielectric(mu, self.ior);
+        self.color.map(|c| if c > 0.0 { real::exp(real::ln(c) * 0.5 / cos) } else { 0.0 })
+    }
+}
