@@ -1,6 +1,7 @@
 //! Where a ray met a surface.
 
 use crate::bsdf::{Bsdf, BsdfSample};
+use crate::color::Spectrum;
 use crate::light::ShadingPoint;
 use rutilant_geom::{Frame, Ray, Vec3, offset_origin};
 
@@ -24,6 +25,8 @@ pub struct SurfaceInteraction {
     pub material: u32,
     /// The number of the emitter that this surface is, if it glows.
     pub emitter: Option<u32>,
+    /// What is left of the emitter's light here: white where it is the same everywhere.
+    pub(crate) glow: Spectrum,
 }
 
 /// How the shading normal lies to the true one.
@@ -57,6 +60,7 @@ impl SurfaceInteraction {
             leaning,
             material,
             emitter,
+            glow: Spectrum::WHITE,
         }
     }
 

@@ -74,8 +74,11 @@ fn scene(custom: bool, ranked: bool) -> Scene {
     let mirror = scene.add_material(Mirror { reflectance: Rgb::grey(0.9) });
     let mixed = scene.add_material(Mix { first: red, second: mirror, amount: 0.4 });
     let lamp = scene.add_material(Emission::radiance(Rgb::new(4.0, 3.0, 2.0)));
-    let spread = scene
-        .add_material(Emission { light: EmittedLight::Power(Rgb::grey(6.0)), two_sided: true });
+    let spread = scene.add_material(Emission {
+        light: EmittedLight::Power(Rgb::grey(6.0)),
+        texture: None,
+        two_sided: true,
+    });
     let chart = Material {
         kind: MaterialKind::Custom(Arc::new(Chart)),
         ..Material::from(Matte::new(Rgb::BLACK))

@@ -28,7 +28,8 @@ impl SeenEmission {
 
     /// A glowing surface.
     pub(super) fn of_surface(scene: &Prepared, at: &SurfaceInteraction) -> Option<Self> {
-        Self::of_emitter(scene, at.emitter?, at.position, at.normal, at.wo)
+        let seen = Self::of_emitter(scene, at.emitter?, at.position, at.normal, at.wo)?;
+        seen.painted(at.glow)
     }
 
     /// The surface of this emitter at `position`, with its `normal` there, towards `wo`.
@@ -42,6 +43,12 @@ impl SeenEmission {
         let emitter = emitter as usize;
         let radiance = scene.emitters()[emitter].glow()?.towards(wo, normal);
         (!radiance.is_black()).then_some(Self { radiance, emitter, position, normal })
+    }
+
+    /// The same where a picture leaves so much of it.
+    pub(super) fn painted(mut self, glow: Spectrum) -> Option<Self> {
+        self.radiance *= glow;
+        (!self.radiance.is_black()).then_some(self)
     }
 
     /// The share in this light of a path from the camera, which found it along `ray`; light

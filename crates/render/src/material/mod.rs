@@ -8,6 +8,7 @@ mod matte;
 mod metals;
 mod mirror;
 mod mix;
+mod normal_map;
 mod opacity;
 mod principled;
 mod thin_dielectric;
@@ -20,8 +21,9 @@ pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use mix::Mix;
+pub use normal_map::NormalMap;
 pub use opacity::{Opacity, OpacityMode};
-pub use principled::Principled;
+pub use principled::{Principled, PrincipledTextures};
 pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
@@ -44,6 +46,8 @@ pub struct Material {
     pub emission: Option<Emission>,
     /// How much of it is there; all if `None`.
     pub opacity: Option<Opacity>,
+    /// Turns the normal that it is shaded by.
+    pub normal_map: Option<NormalMap>,
 }
 
 /// How a surface scatters light.
@@ -74,7 +78,7 @@ pub enum MaterialKind {
 impl Material {
     /// A material without a name that gives no light.
     pub fn new(kind: MaterialKind) -> Self {
-        Self { name: String::new(), kind, emission: None, opacity: None }
+        Self { name: String::new(), kind, emission: None, opacity: None, normal_map: None }
     }
 
     /// The same material under a name.
@@ -97,7 +101,10 @@ impl Material {
         if let Some((texture, _)) = self.opacity.as_mut().and_then(|o| o.amount.texture.as_mut()) {
             tell(texture);
         }
+        self.normal_map.iter_mut().for_each(|map| tell(&mut map.texture));
+        self.emission.iter_mut().filter_map(|e| e.texture.as_mut()).for_each(&mut tell);
         match &mut self.kind {
+            MaterialKind::Principled(m) => m.textures.each_mut(tell),
             MaterialKind::Matte(m) => m.albedo.texture.iter_mut().for_each(&mut tell),
             MaterialKind::Black
             | MaterialKind::Null
@@ -105,7 +112,6 @@ impl Material {
             | MaterialKind::Conductor(_)
             | MaterialKind::Dielectric(_)
             | MaterialKind::ThinDielectric(_)
-            | MaterialKind::Principled(_)
             | MaterialKind::Mix(_)
             | MaterialKind::Custom(_) => {}
         }
@@ -138,7 +144,7 @@ impl Material {
             }
             MaterialKind::ThinDielectric(m) => m.validate(place)?,
             MaterialKind::Principled(m) => {
-                m.validate(place)?;
+                m.validate(place, textures)?;
                 if m.priority.is_some() && self.emission.is_some() {
                     return Err(place.problem("emission", NO_GLOW_WITH_PRIORITY));
                 }
@@ -147,14 +153,11 @@ impl Material {
         }
         if let Some(opacity) = &self.opacity {
             opacity.validate(place, textures)?;
-            if self.emission.is_some() {
-                return Err(place.problem(
-                    "opacity",
-                    "what glows must be opaque: light that is sampled does not know of holes",
-                ));
-            }
         }
-        self.emission.as_ref().map_or(Ok(()), |e| e.validate(place))
+        if let Some(map) = &self.normal_map {
+            map.validate(place, textures)?;
+        }
+        self.emission.as_ref().map_or(Ok(()), |e| e.validate(place, textures))
     }
 }
 

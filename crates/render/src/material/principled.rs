@@ -2,8 +2,10 @@
 
 use super::dielectric::{Absorption, MAX_IOR, MOST_ROUGH_RATIO};
 use crate::bsdf::PrincipledParameters;
-use crate::color::Rgb;
+use crate::color::{Rgb, Spectrum};
+use crate::id::TextureId;
 use crate::problem::{FINITE, Place, SceneProblem, UNIT};
+use crate::texture::Channel;
 
 /// A surface of layers, told by plain numbers: see [`bsdf::Principled`](crate::bsdf::Principled).
 /// Everything but indices, angles and thicknesses lies between 0 and 1.
@@ -60,6 +62,65 @@ pub struct Principled {
     pub iridescence_ior: f32,
     /// How thick the film is, in nanometres, 0 to 100000.
     pub iridescence_thickness_nm: f32,
+    /// What varies over the surface: factors on the numbers.
+    pub textures: PrincipledTextures,
+}
+
+/// The textures that are factors on what a [`Principled`] surface is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "each is named after the number that it is a factor on")]
+pub struct PrincipledTextures {
+    pub base_color: Option<TextureId>,
+    /// The colours of the mesh's vertices are a factor on the base colour as well.
+    pub vertex_colors: bool,
+    pub metallic: Option<(TextureId, Channel)>,
+    pub roughness: Option<(TextureId, Channel)>,
+    pub specular: Option<(TextureId, Channel)>,
+    pub specular_color: Option<TextureId>,
+    pub transmission: Option<(TextureId, Channel)>,
+    pub diffuse_transmission: Option<(TextureId, Channel)>,
+    pub diffuse_transmission_color: Option<TextureId>,
+    pub coat: Option<(TextureId, Channel)>,
+    pub coat_roughness: Option<(TextureId, Channel)>,
+    pub sheen_color: Option<TextureId>,
+    pub sheen_roughness: Option<(TextureId, Channel)>,
+    pub iridescence: Option<(TextureId, Channel)>,
+    pub iridescence_thickness_nm: Option<(TextureId, Channel)>,
+}
+
+impl PrincipledTextures {
+    /// Whether there is one.
+    pub fn vary(&self) -> bool {
+        let mut some = self.vertex_colors;
+        let mut own = *self;
+        own.each_mut(|_| some = true);
+        some
+    }
+
+    /// Tells each, to be changed.
+    pub(super) fn each_mut(&mut self, tell: impl FnMut(&mut TextureId)) {
+        let colors = [
+            &mut self.base_color,
+            &mut self.specular_color,
+            &mut self.diffuse_transmission_color,
+            &mut self.sheen_color,
+        ];
+        let scalars = [
+            &mut self.metallic,
+            &mut self.roughness,
+            &mut self.specular,
+            &mut self.transmission,
+            &mut self.diffuse_transmission,
+            &mut self.coat,
+            &mut self.coat_roughness,
+            &mut self.sheen_roughness,
+            &mut self.iridescence,
+            &mut self.iridescence_thickness_nm,
+        ];
+        let colors = colors.into_iter().filter_map(Option::as_mut);
+        let scalars = scalars.into_iter().filter_map(Option::as_mut).map(|(id, _)| id);
+        colors.chain(scalars).for_each(tell);
+    }
 }
 
 /// The thickest film: interference in thicker ones has no colour.
@@ -93,6 +154,7 @@ impl Default for Principled {
             iridescence: 0.0,
             iridescence_ior: 1.3,
             iridescence_thickness_nm: 400.0,
+            textures: PrincipledTextures::default(),
         }
     }
 }
@@ -132,7 +194,49 @@ impl Principled {
         !self.thin_walled && self.metallic < 1.0 && (self.transmission > 0.0 || matte)
     }
 
-    pub(super) fn validate(&self, place: Place) -> Result<(), SceneProblem> {
+    /// The same where textures have these values.
+    pub(crate) fn varied(
+        &self,
+        color: impl Fn(Rgb, Option<TextureId>, bool) -> Spectrum,
+        scalar: impl Fn(f32, Option<(TextureId, Channel)>) -> f32,
+    ) -> PrincipledParameters {
+        let of = &self.textures;
+        // Whatever pictures hold, a part is a part.
+        let part = |factor, texture| scalar(factor, texture).clamp(0.0, 1.0);
+        let tint = |factor, texture| color(factor, texture, false);
+        PrincipledParameters {
+            base_color: color(self.base_color, of.base_color, of.vertex_colors),
+            metallic: part(self.metallic, of.metallic),
+            roughness: part(self.roughness, of.roughness),
+            specular: part(self.specular, of.specular),
+            specular_color: tint(self.specular_color, of.specular_color),
+            transmission: part(self.transmission, of.transmission),
+            diffuse_transmission: part(self.diffuse_transmission, of.diffuse_transmission),
+            diffuse_transmission_color: tint(
+                self.diffuse_transmission_color,
+                of.diffuse_transmission_color,
+            ),
+            coat: part(self.coat, of.coat),
+            coat_roughness: part(self.coat_roughness, of.coat_roughness),
+            sheen_color: tint(self.sheen_color, of.sheen_color),
+            sheen_roughness: part(self.sheen_roughness, of.sheen_roughness),
+            iridescence: part(self.iridescence, of.iridescence),
+            iridescence_thickness_nm: scalar(
+                self.iridescence_thickness_nm,
+                of.iridescence_thickness_nm,
+            )
+            .clamp(0.0, THICKEST_FILM),
+            ..self.parameters()
+        }
+    }
+
+    pub(super) fn validate(&self, place: Place, textures: usize) -> Result<(), SceneProblem> {
+        let mut wrong = None;
+        let mut all = self.textures;
+        all.each_mut(|id| wrong = wrong.or((id.0 as usize >= textures).then_some(id.0)));
+        if let Some(id) = wrong {
+            return Err(place.problem("base_color", format!("there is no texture number {id}")));
+        }
         for (key, color) in [
             ("base_color", self.base_color),
             ("specular_color", self.specular_color),

@@ -48,6 +48,7 @@ pub(super) struct Assembly {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     colors: Vec<[f32; 4]>,
+    tangents: Vec<[f32; 4]>,
     emitters: Vec<Emitter>,
     some_pass: bool,
     /// What each object encloses.
@@ -70,13 +71,15 @@ struct Painting {
     first_uv: Option<u32>,
     uv_sets: u32,
     first_color: Option<u32>,
+    first_tangent: Option<u32>,
 }
 
 impl Painting {
     fn give(self, object: &mut PreparedObject) {
-        let Self { vertices, first_uv, uv_sets, first_color } = self;
+        let Self { vertices, first_uv, uv_sets, first_color, first_tangent } = self;
         (object.vertices, object.first_uv) = (vertices, first_uv);
         (object.uv_sets, object.first_color) = (uv_sets, first_color);
+        object.first_tangent = first_tangent;
     }
 }
 
@@ -196,6 +199,7 @@ impl Assembly {
             normals: self.normals.into(),
             uvs: self.uvs.into(),
             colors: self.colors.into(),
+            tangents: self.tangents.into(),
             textures: Arc::new(textures),
             materials: materials.into(),
             opacities: opacities.into(),
@@ -235,6 +239,7 @@ impl Assembly {
             first_uv: None,
             uv_sets: 0,
             first_color: None,
+            first_tangent: None,
         };
         // What neither scatters nor glows is left out.
         if passes(material) && !material.gives_light() {
@@ -262,8 +267,11 @@ impl Assembly {
                 let area = 2.0 * triangle_area(corners);
                 if let Some(glow) = self.glow(number, material, area) {
                     let emitter = ParallelogramEmitter::new(corners, glow);
-                    prepared.emitters =
-                        ObjectEmitters::One(self.add_emitter(Emitter::Parallelogram(emitter)));
+                    prepared.emitters = ObjectEmitters::One(self.add_lamp(
+                        material,
+                        glow,
+                        Emitter::Parallelogram(emitter),
+                    ));
                 }
             }
             Shape::Sphere { radius } => {
@@ -275,9 +283,8 @@ impl Assembly {
                 let radius = f64::from(sphere.radius);
                 let area = 4.0 * PI * radius * radius;
                 if let Some(glow) = self.glow(number, material, area) {
-                    prepared.emitters = ObjectEmitters::One(
-                        self.add_emitter(Emitter::Sphere(SphereEmitter { sphere, glow })),
-                    );
+                    let emitter = Emitter::Sphere(SphereEmitter { sphere, glow });
+                    prepared.emitters = ObjectEmitters::One(self.add_lamp(material, glow, emitter));
                 }
             }
             Shape::Disk { radius } => {
@@ -294,7 +301,7 @@ impl Assembly {
                 let area = PI * u.as_dvec3().cross(v.as_dvec3()).length();
                 if let Some(glow) = self.glow(number, material, area) {
                     let emitter = Emitter::Disk(DiskEmitter::new(disk, glow));
-                    prepared.emitters = ObjectEmitters::One(self.add_emitter(emitter));
+                    prepared.emitters = ObjectEmitters::One(self.add_lamp(material, glow, emitter));
                 }
             }
             Shape::Custom(shape) => {
@@ -340,7 +347,7 @@ impl Assembly {
             let normals = mesh.normals.iter();
             self.normals.extend(normals.map(|&n| transform.normal(n).normalize_or_zero()));
         }
-        self.add_painting(mesh).give(prepared);
+        self.add_painting(mesh, transform).give(prepared);
         let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
         if material.emission.is_some() {
             let corners = self.triangles[first_triangle..].iter().map(corners).collect();
@@ -348,8 +355,8 @@ impl Assembly {
         }
     }
 
-    /// Takes over what textures need of a mesh.
-    fn add_painting(&mut self, mesh: &Mesh) -> Painting {
+    /// Takes over what textures need of a mesh, its tangents transformed.
+    fn add_painting(&mut self, mesh: &Mesh, transform: &Transform) -> Painting {
         let vertices = mesh.positions.len();
         let mut painting = Painting { vertices: vertices as u32, ..Painting::default() };
         let sets = std::iter::once(&mesh.uvs).chain(&mesh.more_uvs);
@@ -365,6 +372,14 @@ impl Assembly {
         if !mesh.colors.is_empty() {
             painting.first_color = Some(self.colors.len() as u32);
             self.colors.extend_from_slice(&mesh.colors);
+        }
+        if !mesh.tangents.is_empty() {
+            painting.first_tangent = Some(self.tangents.len() as u32);
+            let turn = if transform.mirrors() { -1.0 } else { 1.0 };
+            self.tangents.extend(mesh.tangents.iter().map(|&[x, y, z, hand]| {
+                let along = transform.vector(Vec3::new(x, y, z)).normalize_or_zero();
+                [along.x, along.y, along.z, hand * turn]
+            }));
         }
         painting
     }
@@ -394,7 +409,7 @@ impl Assembly {
         let first = |values: &[Vec3]| (!values.is_empty()).then_some(self.normals.len() as u32);
         let first_normal = first(&mesh.normals);
         self.normals.extend_from_slice(&mesh.normals);
-        let painting = self.add_painting(mesh);
+        let painting = self.add_painting(mesh, &Transform::IDENTITY);
         let stored = Stored { number: number as u32, first_normal, painting };
         self.stored.insert(id, stored);
         Some(stored)
@@ -449,6 +464,10 @@ impl Assembly {
         // Triangles that are no numbers give no light.
         let area = triangles.iter().copied().map(triangle_area).filter(|a| a.is_finite()).sum();
         let Some(glow) = self.glow(number, material, area) else { return };
+        if is_uneven(material) {
+            prepared.emitters = ObjectEmitters::One(self.add_emitter(Emitter::Custom(glow)));
+            return;
+        }
         let emitter = |corners| Emitter::Triangle(TriangleEmitter::new(corners, glow));
         prepared.emitters = ObjectEmitters::Each(self.emitters.len() as u32);
         self.emitters.extend(triangles.into_iter().map(emitter));
@@ -482,7 +501,7 @@ impl Assembly {
 
     /// The light of object `number`, of `area` m², with this material.
     fn glow(&mut self, number: usize, material: &Material, area: f64) -> Option<Glow> {
-        let Emission { light, two_sided } = material.emission?;
+        let Emission { light, two_sided, .. } = material.emission?;
         let sides = if two_sided { 2.0 } else { 1.0 };
         let (light_rgb, radiance) = match light {
             EmittedLight::Radiance(rgb) => (rgb, Spectrum::from(rgb)),
@@ -512,6 +531,11 @@ impl Assembly {
         shines.then_some(Glow { radiance, two_sided })
     }
 
+    /// Adds the emitter of a shape, as one that is not sampled where its light is not even.
+    fn add_lamp(&mut self, material: &Material, glow: Glow, emitter: Emitter) -> u32 {
+        self.add_emitter(if is_uneven(material) { Emitter::Custom(glow) } else { emitter })
+    }
+
     fn add_emitter(&mut self, emitter: Emitter) -> u32 {
         self.emitters.push(emitter);
         (self.emitters.len() - 1) as u32
@@ -521,6 +545,12 @@ impl Assembly {
     fn turn(&mut self, first: usize) {
         self.triangles[first..].iter_mut().for_each(|t| t.swap(1, 2));
     }
+}
+
+/// True where a lamp is brighter in some places than in others, or has holes: its light is found by
+/// scattered rays alone.
+fn is_uneven(material: &Material) -> bool {
+    material.opacity.is_some() || material.emission.is_some_and(|e| e.texture.is_some())
 }
 
 /// In m².

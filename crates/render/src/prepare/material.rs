@@ -7,9 +7,9 @@ use crate::bsdf::{
     SmoothDielectric, ThinDielectric,
 };
 use crate::color::Spectrum;
-use crate::material::{Dielectric, Material, MaterialKind, Opacity};
+use crate::material::{Dielectric, Material, MaterialKind, NormalMap, Opacity};
 use crate::medium::{Border, PreparedMedium};
-use crate::scene::MaterialId;
+use crate::scene::{MaterialId, TextureId};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -24,6 +24,10 @@ pub(crate) struct PreparedMaterial {
     pub(super) varying: Option<u32>,
     /// The number of what tells how much of it is there, where that is not all.
     pub(super) opacity: Option<u32>,
+    /// What turns its normals.
+    pub(super) normal_map: Option<NormalMap>,
+    /// What its light varies by.
+    pub(super) glow: Option<TextureId>,
     /// True where rays go on as if there were nothing.
     pub(crate) passes: bool,
 }
@@ -31,7 +35,15 @@ pub(crate) struct PreparedMaterial {
 impl From<Bsdf> for PreparedMaterial {
     /// A surface that light does not cross.
     fn from(bsdf: Bsdf) -> Self {
-        Self { bsdf, border: None, varying: None, opacity: None, passes: false }
+        Self {
+            bsdf,
+            border: None,
+            varying: None,
+            opacity: None,
+            normal_map: None,
+            glow: None,
+            passes: false,
+        }
     }
 }
 
@@ -39,6 +51,11 @@ impl PreparedMaterial {
     /// The number of its medium among those with a priority.
     pub(super) fn rank(&self) -> Option<u32> {
         self.border.and_then(|b| b.rank)
+    }
+
+    /// True where a picture tells its normals or its light.
+    pub(super) fn is_painted(&self) -> bool {
+        self.normal_map.is_some() || self.glow.is_some()
     }
 
     /// True where it scatters otherwise in different places.
@@ -139,7 +156,11 @@ pub(super) fn prepare_materials(
             | MaterialKind::Mix(_) => {}
             MaterialKind::Null => prepared.passes = true,
             MaterialKind::Principled(p) => {
-                prepared.bsdf = p.parameters().into();
+                prepared.bsdf = textures.mean_principled(p).into();
+                if p.textures.vary() {
+                    prepared.varying = Some(varying.len() as u32);
+                    varying.push(Varying::Principled(p.clone()));
+                }
                 if p.has_inside() {
                     let absorption = p.absorption.coefficient();
                     prepared.border = Some(Border {
@@ -170,13 +191,16 @@ pub(super) fn prepare_materials(
     (materials, varying)
 }
 
-/// Tells the materials that are not everywhere how much of them is there.
+/// Tells the materials what pictures make of their normals and their light, and those that are not
+/// everywhere how much of them is there.
 pub(super) fn prepare_opacities(
     all: &[Material],
     prepared: &mut [PreparedMaterial],
 ) -> Vec<Opacity> {
     let mut opacities = Vec::new();
     for (material, prepared) in all.iter().zip(prepared) {
+        prepared.normal_map = material.normal_map;
+        prepared.glow = material.emission.and_then(|emission| emission.texture);
         if let Some(opacity) = material.opacity {
             prepared.opacity = Some(opacities.len() as u32);
             opacities.push(opacity);

@@ -9,6 +9,7 @@ mod casters;
 mod casting;
 mod material;
 mod open;
+mod painted;
 mod prepared;
 mod texture;
 mod varying;

@@ -35,6 +35,8 @@ pub struct Prepared {
     pub(super) normals: Arc<[Vec3]>,
     pub(super) uvs: Arc<[Vec2]>,
     pub(super) colors: Arc<[[f32; 4]]>,
+    /// In the world; of meshes that are stored once in their own space.
+    pub(super) tangents: Arc<[[f32; 4]]>,
     pub(super) textures: Arc<PreparedTextures>,
     pub(super) materials: Arc<[PreparedMaterial]>,
     /// How much is there of the surfaces that are not everywhere.
@@ -122,6 +124,8 @@ pub(super) struct PreparedObject {
     pub(super) uv_sets: u32,
     /// Where its vertex colours start in the common array, if it has some.
     pub(super) first_color: Option<u32>,
+    /// Where its tangents start in the common array, if it has some.
+    pub(super) first_tangent: Option<u32>,
 }
 
 /// Which emitters an object is.
@@ -158,7 +162,7 @@ pub(crate) struct SurfaceOf<'p> {
     pub(crate) material: &'p PreparedMaterial,
     /// The number of the emitter that it is.
     pub(crate) emitter: Option<u32>,
-    /// It has vertex normals.
+    /// It has vertex normals, or a picture of normals.
     pub(crate) smoothed: bool,
 }
 
@@ -237,10 +241,11 @@ impl Prepared {
     #[inline(always)]
     pub(crate) fn surface_of(&self, instance: Option<u32>, primitive: u32) -> SurfaceOf<'_> {
         let object = &self.objects[self.object_of(instance, primitive) as usize];
+        let material = &self.materials[object.material as usize];
         SurfaceOf {
-            material: &self.materials[object.material as usize],
+            material,
             emitter: object.emitter_of(primitive),
-            smoothed: object.first_normal.is_some(),
+            smoothed: object.first_normal.is_some() || material.normal_map.is_some(),
         }
     }
 
@@ -250,6 +255,9 @@ impl Prepared {
         let emitter = object.emitter_of(hit.primitive);
         let flat =
             SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
+        if self.materials[object.material as usize].is_painted() {
+            return self.painted(hit, object, flat);
+        }
         let Some(first_normal) = object.first_normal else { return flat };
         let Some(vertices) = self.vertices(hit, object) else { return flat };
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
@@ -524,7 +532,7 @@ impl Prepared {
     }
 
     /// The vertex normal number `i`, of unit length in the world, of the object that was hit.
-    fn normal_at(&self, hit: &Hit, i: u32) -> Vec3 {
+    pub(super) fn normal_at(&self, hit: &Hit, i: u32) -> Vec3 {
         let normal = self.normals[i as usize];
         match hit.instance {
             None => normal,

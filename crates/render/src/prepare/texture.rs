@@ -1,13 +1,15 @@
 //! Textures as they are looked up.
 
 use super::prepared::{Prepared, PreparedObject, Vertex};
+use crate::bsdf::PrincipledParameters;
 use crate::camera::PreparedCamera;
 use crate::color::Spectrum;
+use crate::material::Principled;
 use crate::problem::{Note, Place};
-use crate::scene::Scene;
+use crate::scene::{Scene, TextureId};
 use crate::texture::{
-    Bitmap, Checker, ColorInput, Encoding, ImageTexture, PreparedMapping, Pyramid, ScalarInput,
-    Texels, Texture,
+    Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, PreparedMapping, Pyramid,
+    ScalarInput, Texels, Texture,
 };
 use rayon::prelude::*;
 use rutilant_geom::{Hit, Ray, Vec2, Vec3};
@@ -95,6 +97,25 @@ impl PreparedTextures {
         let factor = Spectrum::from(input.factor);
         let mean = input.texture.map_or([1.0; 4], |id| self.textures[id.0 as usize].mean());
         reflectance(factor * opaque(mean))
+    }
+
+    /// A principled surface as it is in the mean.
+    pub(super) fn mean_principled(&self, principled: &Principled) -> PrincipledParameters {
+        let color = |factor, texture, vertex_colors| {
+            self.mean_color(&ColorInput { factor, texture, vertex_colors })
+        };
+        let scalar = |factor: f32, texture: Option<(TextureId, Channel)>| {
+            let mean = |(id, channel): (TextureId, Channel)| {
+                channel.of(self.textures[id.0 as usize].mean())
+            };
+            factor * texture.map_or(1.0, mean)
+        };
+        principled.varied(color, scalar)
+    }
+
+    /// Red, green, blue and opacity of a texture at a place.
+    pub(super) fn rgba(&self, id: TextureId, at: &TexturePlace<'_>) -> [f32; 4] {
+        self.textures[id.0 as usize].rgba(at)
     }
 
     /// The part of the light that is sent back at a place, 0 to 1, whatever the pictures hold.

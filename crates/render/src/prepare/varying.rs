@@ -4,7 +4,8 @@ use super::prepared::Prepared;
 use super::texture::{PreparedTextures, TexturePlace};
 use crate::bsdf::{Bsdf, Lambert, Lobe, OrenNayar, UniformLambert};
 use crate::color::Spectrum;
-use crate::material::{CustomMaterial, HemisphereSampling, Matte, SurfacePoint};
+use crate::material::{CustomMaterial, HemisphereSampling, Matte, Principled, SurfacePoint};
+use crate::texture::{ColorInput, ScalarInput};
 use rutilant_geom::Hit;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ pub(super) enum Varying {
     Custom(Arc<dyn CustomMaterial>),
     /// By weighted lobes.
     Lobes([Option<(f32, VaryingLobe)>; Bsdf::MAX_LOBES]),
+    /// By layers.
+    Principled(Box<Principled>),
 }
 
 /// One way of scattering.
@@ -67,6 +70,17 @@ impl Prepared {
             Varying::Custom(custom) => {
                 let uv = self.uv(hit);
                 custom.bsdf(&SurfacePoint { position: hit.position, normal: hit.normal, uv })
+            }
+            Varying::Principled(principled) => {
+                let place = TexturePlace::new(self, self.object(hit), hit);
+                let color = |factor, texture, vertex_colors| {
+                    let input = ColorInput { factor, texture, vertex_colors };
+                    self.textures.reflectance(&input, &place)
+                };
+                let scalar = |factor, texture| {
+                    self.textures.scalar(&ScalarInput { factor, texture }, &place)
+                };
+                principled.varied(color, scalar).into()
             }
             Varying::Lobes(lobes) => {
                 let place = TexturePlace::new(self, self.object(hit), hit);

@@ -21,6 +21,9 @@ pub struct Mesh {
     /// Further sets of texture coordinates, each with one per vertex; textures that ask for set 1
     /// get the first of these.
     pub more_uvs: Vec<Vec<Vec2>>,
+    /// Where u grows at each vertex, in (x, y, z), of any length, and in w whether v grows along the
+    /// normal times that (1) or against it (−1); empty where there are none. Normal maps need them.
+    pub tangents: Vec<[f32; 4]>,
     /// One colour and opacity per vertex, linear; empty where there are none. Materials use them
     /// where they say so.
     pub colors: Vec<[f32; 4]>,
@@ -36,6 +39,7 @@ impl Mesh {
             ("normals", self.normals.len()),
             ("uvs", self.uvs.len()),
             ("colors", self.colors.len()),
+            ("tangents", self.tangents.len()),
         ];
         let more = self.more_uvs.iter().map(|uvs| ("uvs", uvs.len()));
         for (key, length) in lengths.into_iter().chain(more) {

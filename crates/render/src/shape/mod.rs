@@ -2,6 +2,7 @@
 
 mod mesh;
 mod smooth;
+mod tangents;
 
 pub use mesh::Mesh;
 pub use rutilant_geom::custom::{CustomHit, CustomRay, CustomShape};

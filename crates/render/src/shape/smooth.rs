@@ -52,6 +52,7 @@ impl Mesh {
                     smooth.normals.push(sums[fan].try_normalize().unwrap_or(Vec3::Y));
                     smooth.uvs.extend(self.uvs.get(v));
                     smooth.colors.extend(self.colors.get(v));
+                    smooth.tangents.extend(self.tangents.get(v));
                     for (uvs, own) in smooth.more_uvs.iter_mut().zip(&self.more_uvs) {
                         uvs.extend(own.get(v));
                     }

@@ -324,7 +324,7 @@ fn emission(ui: &mut Ui, emission: &mut Option<Emission>) {
     if ui.checkbox(&mut glows, "Glows").changed() {
         *emission = glows.then(|| Emission::radiance(Rgb::WHITE));
     }
-    if let Some(Emission { light: amount, two_sided }) = emission {
+    if let Some(Emission { light: amount, two_sided, .. }) = emission {
         match amount {
             EmittedLight::Radiance(rgb) => light(ui, "Radiance, W/(m² sr)", rgb),
             EmittedLight::Power(rgb) => light(ui, "Power, W", rgb),

@@ -49,12 +49,15 @@ pub(super) const IMAGE_TEXTURE: &[&str] = &["image", "encoding", "wrap", "interp
 pub(super) const CHECKER: &[&str] = &["first", "second"];
 pub(super) const COLOR_INPUT: &[&str] = &["texture", "image", "factor", "vertex_colors"];
 
+pub(super) const SCALAR_INPUT: &[&str] = &["texture", "image", "channel", "factor"];
+pub(super) const NORMAL_MAP: &[&str] = &["texture", "image", "scale"];
 pub(super) const OPACITY: &[&str] =
     &["texture", "image", "channel", "factor", "vertex_colors", "cutoff"];
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
-pub(super) const EMISSION: &[&str] = &["radiance", "power", "strength", "two_sided"];
-pub(super) const SCATTERING: &[&str] = &["emission", "opacity"];
+pub(super) const EMISSION: &[&str] =
+    &["radiance", "power", "strength", "two_sided", "texture", "image"];
+pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
 pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
@@ -129,6 +132,8 @@ const PLACES: &[(&str, &[&str])] = &[
     ("an image texture", IMAGE_TEXTURE),
     ("a checker", CHECKER),
     ("a textured color", COLOR_INPUT),
+    ("a textured number", SCALAR_INPUT),
+    ("a normal map", NORMAL_MAP),
     ("opacity", OPACITY),
     ("[[material]]", ANY_MATERIAL),
     ("an emissive material or emission", EMISSION),
@@ -178,6 +183,7 @@ pub(super) fn is_known(name: &str) -> bool {
 /// first of the others. What comes from a file is shown at the file's name.
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("scale", &["uv_scale"]),
+    ("normal_scale", &["normal_map"]),
     (
         "transform",
         &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit", "instances"],

@@ -12,9 +12,11 @@ use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, ThinDielectric,
+    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures,
+    ThinDielectric,
 };
-use rutilant::scene::{MaterialId, Place};
+use rutilant::scene::{MaterialId, Place, TextureId};
+use rutilant::texture::{Channel, ColorInput, Encoding, ScalarInput};
 use std::collections::HashMap;
 
 #[derive(Clone, Copy)]
@@ -100,7 +102,7 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
         Type::Emissive => {
             let table = table.named("an emissive material");
             table.only(&[keys::ANY_MATERIAL, keys::EMISSION])?;
-            return emission(&table).map(Material::from);
+            return emission(&table, &table, draft).map(Material::from);
         }
         Type::Black => {
             allow(&table.named("a black material"), &[])?;
@@ -152,7 +154,7 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
         Type::Principled => {
             let table = table.named("a principled material");
             allow(&table, keys::PRINCIPLED)?;
-            MaterialKind::Principled(Box::new(principled(&table)?))
+            MaterialKind::Principled(Box::new(principled(&table, draft)?))
         }
         Type::Mix => {
             let table = table.named("a mix");
@@ -164,23 +166,30 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
             })
         }
     };
+    let owner = table;
     let emission = table.maybe("emission", |value| {
         let table = value.table("emission")?;
         table.only(&[keys::EMISSION])?;
-        emission(&table)
+        emission(&table, owner, draft)
     })?;
     let opacity = table.maybe("opacity", |value| texture::opacity(value, table, draft))?;
-    Ok(Material { emission, opacity, ..Material::new(kind) })
+    let normal_map = table.maybe("normal_map", |value| texture::normal_map(value, table, draft))?;
+    Ok(Material { emission, opacity, normal_map, ..Material::new(kind) })
 }
 
-fn emission(table: &Table<'_>) -> Result<Emission, SceneError> {
+fn emission<'d>(
+    table: &Table<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<Emission, SceneError> {
     let strength = table.or("strength", Value::number, 1.0)?;
     let light = |key| table.must(key, Value::color).map(|Rgb(c)| Rgb(c.map(|c| c * strength)));
     let light = match table.either(["radiance", "power"])? {
         "radiance" => EmittedLight::Radiance(light("radiance")?),
         _ => EmittedLight::Power(light("power")?),
     };
-    Ok(Emission { light, two_sided: table.or("two_sided", Value::flag, false)? })
+    let texture = texture::texture_of(table, owner, Encoding::Srgb, draft)?;
+    Ok(Emission { light, texture, two_sided: table.or("two_sided", Value::flag, false)? })
 }
 
 fn roughness(table: &Table<'_>) -> Result<f32, SceneError> {
@@ -217,39 +226,84 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
     })
 }
 
-fn principled(table: &Table<'_>) -> Result<Principled, SceneError> {
+fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled, SceneError> {
     let usual = Principled::default();
-    let part = |key, usual| table.or(key, Value::number, usual);
-    let color = |key, usual| table.or(key, Value::color, usual);
-    let turn = table.or("anisotropy_rotation_degrees", Value::number, 0.0)?;
+    let mut textures = PrincipledTextures::default();
+    let mut part = |key, usual: f32, texture: &mut Option<(TextureId, Channel)>| {
+        let input = table.or(
+            key,
+            |value| texture::scalar_input(value, table, draft),
+            ScalarInput::from(usual),
+        )?;
+        *texture = input.texture;
+        Ok::<f32, SceneError>(input.factor)
+    };
+    let metallic = part("metallic", usual.metallic, &mut textures.metallic)?;
+    let roughness = part("roughness", usual.roughness, &mut textures.roughness)?;
+    let specular = part("specular", usual.specular, &mut textures.specular)?;
+    let transmission = part("transmission", usual.transmission, &mut textures.transmission)?;
+    let diffuse_transmission = part(
+        "diffuse_transmission",
+        usual.diffuse_transmission,
+        &mut textures.diffuse_transmission,
+    )?;
+    let coat = part("coat", usual.coat, &mut textures.coat)?;
+    let coat_roughness =
+        part("coat_roughness", usual.coat_roughness, &mut textures.coat_roughness)?;
+    let sheen_roughness =
+        part("sheen_roughness", usual.sheen_roughness, &mut textures.sheen_roughness)?;
+    let iridescence = part("iridescence", usual.iridescence, &mut textures.iridescence)?;
+    let iridescence_thickness_nm = part(
+        "iridescence_thickness_nm",
+        usual.iridescence_thickness_nm,
+        &mut textures.iridescence_thickness_nm,
+    )?;
+    let mut color = |key, usual: Rgb| {
+        table.or(key, |value| texture::color_input(value, table, draft), ColorInput::from(usual))
+    };
+    let base_color = color("base_color", usual.base_color)?;
+    (textures.base_color, textures.vertex_colors) = (base_color.texture, base_color.vertex_colors);
+    let mut tint = |key, usual, texture: &mut Option<TextureId>| {
+        let input = color(key, usual)?;
+        *texture = input.texture;
+        Ok::<Rgb, SceneError>(input.factor)
+    };
+    let specular_color =
+        tint("specular_color", usual.specular_color, &mut textures.specular_color)?;
+    let diffuse_transmission_color = tint(
+        "diffuse_transmission_color",
+        usual.diffuse_transmission_color,
+        &mut textures.diffuse_transmission_color,
+    )?;
+    let sheen_color = tint("sheen_color", usual.sheen_color, &mut textures.sheen_color)?;
+    let number = |key, usual| table.or(key, Value::number, usual);
+    let turn = number("anisotropy_rotation_degrees", 0.0)?;
     Ok(Principled {
-        base_color: color("base_color", usual.base_color)?,
-        metallic: part("metallic", usual.metallic)?,
-        roughness: part("roughness", usual.roughness)?,
-        diffuse_roughness: part("diffuse_roughness", usual.diffuse_roughness)?,
-        anisotropy: part("anisotropy", usual.anisotropy)?,
+        base_color: base_color.factor,
+        metallic,
+        roughness,
+        diffuse_roughness: number("diffuse_roughness", usual.diffuse_roughness)?,
+        anisotropy: number("anisotropy", usual.anisotropy)?,
         anisotropy_rotation: turn.to_radians(),
-        specular: part("specular", usual.specular)?,
-        specular_color: color("specular_color", usual.specular_color)?,
-        ior: part("ior", usual.ior)?,
-        transmission: part("transmission", usual.transmission)?,
+        specular,
+        specular_color,
+        ior: number("ior", usual.ior)?,
+        transmission,
         thin_walled: table.or("thin_walled", Value::flag, usual.thin_walled)?,
-        diffuse_transmission: part("diffuse_transmission", usual.diffuse_transmission)?,
-        diffuse_transmission_color: color(
-            "diffuse_transmission_color",
-            usual.diffuse_transmission_color,
-        )?,
+        diffuse_transmission,
+        diffuse_transmission_color,
         absorption: absorption(table)?,
         priority: table.maybe("priority", Value::whole)?,
-        coat: part("coat", usual.coat)?,
-        coat_color: color("coat_color", usual.coat_color)?,
-        coat_roughness: part("coat_roughness", usual.coat_roughness)?,
-        coat_ior: part("coat_ior", usual.coat_ior)?,
-        sheen_color: color("sheen_color", usual.sheen_color)?,
-        sheen_roughness: part("sheen_roughness", usual.sheen_roughness)?,
-        iridescence: part("iridescence", usual.iridescence)?,
-        iridescence_ior: part("iridescence_ior", usual.iridescence_ior)?,
-        iridescence_thickness_nm: part("iridescence_thickness_nm", usual.iridescence_thickness_nm)?,
+        coat,
+        coat_color: table.or("coat_color", Value::color, usual.coat_color)?,
+        coat_roughness,
+        coat_ior: number("coat_ior", usual.coat_ior)?,
+        sheen_color,
+        sheen_roughness,
+        iridescence,
+        iridescence_ior: number("iridescence_ior", usual.iridescence_ior)?,
+        iridescence_thickness_nm,
+        textures,
     })
 }
 
@@ -304,7 +358,7 @@ pub(super) fn keys_of(
     if let (MaterialKind::Black, Some(emission), true) = (&material.kind, &material.emission, lamp)
     {
         let mut groups = vec![name, kind("emissive")];
-        groups.extend(keys_of_emission(emission));
+        groups.extend(keys_of_emission(emission, textures));
         return Some(groups);
     }
     let rough = |roughness| Group::or(&["roughness"], number(roughness), "0");
@@ -356,7 +410,7 @@ pub(super) fn keys_of(
         ],
         MaterialKind::Principled(m) => {
             let mut groups = vec![name, kind("principled")];
-            groups.extend(keys_of_principled(m));
+            groups.extend(keys_of_principled(m, textures));
             groups
         }
         MaterialKind::Mix(m) => vec![
@@ -370,50 +424,67 @@ pub(super) fn keys_of(
     };
     let emission = material.emission.as_ref().map(|emission| Said {
         key: "emission",
-        value: Written::Table(keys_of_emission(emission).into()),
+        value: Written::Table(keys_of_emission(emission, textures).into()),
         usual: false,
     });
     groups.push(Group::of(&["emission"], emission.into_iter().collect::<Vec<_>>()));
     let opacity = material.opacity.as_ref().map(|o| texture::said_opacity(o, textures));
     groups.push(Group::of(&["opacity"], opacity.into_iter().collect::<Vec<_>>()));
+    let map = material.normal_map.as_ref().map(|map| texture::said_normal_map(map, textures));
+    groups.push(Group::of(&["normal_map"], map.into_iter().collect::<Vec<_>>()));
     Some(groups)
 }
 
-fn keys_of_principled(m: &Principled) -> Vec<Group> {
-    let usual = Principled::default();
-    let part = |key: &'static [&'static str; 1], a, b| Group::or(key, number(a), &number(b));
-    let tint = |key: &'static [&'static str; 1], a, b| Group::or(key, color(a), &color(b));
+fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
+    let (usual, of) = (Principled::default(), &m.textures);
+    let number = |key: &'static [&'static str; 1], a, b| Group::or(key, number(a), &number(b));
+    let part = |key: &'static [&'static str; 1], factor, texture, usual| {
+        let input = ScalarInput { factor, texture };
+        Group::of(key, [texture::said_scalar(key[0], input, names, usual)])
+    };
+    let tint = |key: &'static [&'static str; 1], factor, texture, vertex_colors, usual| {
+        let input = ColorInput { factor, texture, vertex_colors };
+        Group::of(key, [texture::said_color(key[0], &input, names, &color(usual))])
+    };
     vec![
-        tint(&["base_color"], m.base_color, usual.base_color),
-        part(&["metallic"], m.metallic, usual.metallic),
-        part(&["roughness"], m.roughness, usual.roughness),
-        part(&["diffuse_roughness"], m.diffuse_roughness, usual.diffuse_roughness),
-        part(&["anisotropy"], m.anisotropy, usual.anisotropy),
+        tint(&["base_color"], m.base_color, of.base_color, of.vertex_colors, usual.base_color),
+        part(&["metallic"], m.metallic, of.metallic, usual.metallic),
+        part(&["roughness"], m.roughness, of.roughness, usual.roughness),
+        number(&["diffuse_roughness"], m.diffuse_roughness, usual.diffuse_roughness),
+        number(&["anisotropy"], m.anisotropy, usual.anisotropy),
         Group::or(&["anisotropy_rotation_degrees"], degrees(m.anisotropy_rotation), "0"),
-        part(&["specular"], m.specular, usual.specular),
-        tint(&["specular_color"], m.specular_color, usual.specular_color),
-        part(&["ior"], m.ior, usual.ior),
-        part(&["transmission"], m.transmission, usual.transmission),
+        part(&["specular"], m.specular, of.specular, usual.specular),
+        tint(&["specular_color"], m.specular_color, of.specular_color, false, usual.specular_color),
+        number(&["ior"], m.ior, usual.ior),
+        part(&["transmission"], m.transmission, of.transmission, usual.transmission),
         Group::or(&["thin_walled"], m.thin_walled.to_string(), "false"),
-        part(&["diffuse_transmission"], m.diffuse_transmission, usual.diffuse_transmission),
+        part(
+            &["diffuse_transmission"],
+            m.diffuse_transmission,
+            of.diffuse_transmission,
+            usual.diffuse_transmission,
+        ),
         tint(
             &["diffuse_transmission_color"],
             m.diffuse_transmission_color,
+            of.diffuse_transmission_color,
+            false,
             usual.diffuse_transmission_color,
         ),
         keys_of_absorption(&m.absorption),
         Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
-        part(&["coat"], m.coat, usual.coat),
-        tint(&["coat_color"], m.coat_color, usual.coat_color),
-        part(&["coat_roughness"], m.coat_roughness, usual.coat_roughness),
-        part(&["coat_ior"], m.coat_ior, usual.coat_ior),
-        tint(&["sheen_color"], m.sheen_color, usual.sheen_color),
-        part(&["sheen_roughness"], m.sheen_roughness, usual.sheen_roughness),
-        part(&["iridescence"], m.iridescence, usual.iridescence),
-        part(&["iridescence_ior"], m.iridescence_ior, usual.iridescence_ior),
+        part(&["coat"], m.coat, of.coat, usual.coat),
+        Group::or(&["coat_color"], color(m.coat_color), &color(usual.coat_color)),
+        part(&["coat_roughness"], m.coat_roughness, of.coat_roughness, usual.coat_roughness),
+        number(&["coat_ior"], m.coat_ior, usual.coat_ior),
+        tint(&["sheen_color"], m.sheen_color, of.sheen_color, false, usual.sheen_color),
+        part(&["sheen_roughness"], m.sheen_roughness, of.sheen_roughness, usual.sheen_roughness),
+        part(&["iridescence"], m.iridescence, of.iridescence, usual.iridescence),
+        number(&["iridescence_ior"], m.iridescence_ior, usual.iridescence_ior),
         part(
             &["iridescence_thickness_nm"],
             m.iridescence_thickness_nm,
+            of.iridescence_thickness_nm,
             usual.iridescence_thickness_nm,
         ),
     ]
@@ -431,13 +502,14 @@ fn keys_of_absorption(absorption: &Absorption) -> Group {
     Group::of(&["sigma_a", "absorption_color", "absorption_distance"], says)
 }
 
-fn keys_of_emission(emission: &Emission) -> [Group; 2] {
+fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 3] {
     let light = match emission.light {
         EmittedLight::Radiance(rgb) => Said::new("radiance", color(rgb)),
         EmittedLight::Power(rgb) => Said::new("power", color(rgb)),
     };
     [
         Group::of(&["radiance", "power", "strength"], [light]),
+        texture::said_texture(emission.texture, names),
         Group::or(&["two_sided"], emission.two_sided.to_string(), "false"),
     ]
 }

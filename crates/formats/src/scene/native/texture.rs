@@ -8,7 +8,7 @@ use crate::error::SceneError;
 use crate::scene::loaded::TextureName;
 use crate::shown::shown;
 use rutilant::color::Rgb;
-use rutilant::material::{Opacity, OpacityMode};
+use rutilant::material::{NormalMap, Opacity, OpacityMode};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
     Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput, UvMapping,
@@ -129,10 +129,41 @@ pub(super) fn color_input<'d>(
     let table = value.table("a textured color")?;
     table.only(&[keys::COLOR_INPUT])?;
     Ok(ColorInput {
-        texture: texture_of(&table, owner, draft)?,
+        texture: texture_of(&table, owner, Encoding::Srgb, draft)?,
         factor: table.or("factor", Value::color, Rgb::WHITE)?,
         vertex_colors: table.or("vertex_colors", Value::flag, false)?,
     })
+}
+
+/// A number, or a table that says more.
+pub(super) fn scalar_input<'d>(
+    value: &Value<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<ScalarInput, SceneError> {
+    if !value.is_table() {
+        return value.number().map(ScalarInput::from);
+    }
+    let table = value.table("a textured number")?;
+    table.only(&[keys::SCALAR_INPUT])?;
+    let texture = texture_of(&table, owner, Encoding::Linear, draft)?;
+    let channel = table.or("channel", |v| v.one_of("channel", CHANNELS), Channel::Red)?;
+    let factor = table.or("factor", Value::number, 1.0)?;
+    Ok(ScalarInput { factor, texture: texture.map(|id| (id, channel)) })
+}
+
+/// A picture of normals.
+pub(super) fn normal_map<'d>(
+    value: &Value<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<NormalMap, SceneError> {
+    let table = value.table("a normal map")?;
+    table.only(&[keys::NORMAL_MAP])?;
+    table.either(["texture", "image"])?;
+    let texture = texture_of(&table, owner, Encoding::Linear, draft)?;
+    let texture = texture.ok_or_else(|| table.missing("texture"))?;
+    Ok(NormalMap { texture, scale: table.or("scale", Value::number, 1.0)? })
 }
 
 /// A number, or a table that says more: how much of a surface is there.
@@ -147,7 +178,7 @@ pub(super) fn opacity<'d>(
     }
     let table = value.table("an opacity")?;
     table.only(&[keys::OPACITY])?;
-    let texture = texture_of(&table, owner, draft)?;
+    let texture = texture_of(&table, owner, Encoding::Linear, draft)?;
     let channel = table.maybe("channel", |v| v.one_of("channel", CHANNELS))?;
     if let (None, Some(value)) = (texture, table.get("channel")) {
         return Err(value.invalid("channel needs a texture or an image"));
@@ -163,10 +194,11 @@ pub(super) fn opacity<'d>(
     })
 }
 
-/// The texture that a table names, or makes of a picture.
-fn texture_of<'d>(
+/// The texture that a table names, or makes of a picture with codes of this `encoding`.
+pub(super) fn texture_of<'d>(
     table: &Table<'d>,
     owner: &Table<'d>,
+    encoding: Encoding,
     draft: &mut Draft<'d>,
 ) -> Result<Option<TextureId>, SceneError> {
     Ok(match table.at_most_one(&["texture", "image"])? {
@@ -174,7 +206,8 @@ fn texture_of<'d>(
         Some(_) => Some(table.must("image", |value| {
             let bitmap = picture(value, draft)?;
             let name = TextureName::Image(value.text()?.to_owned());
-            Ok(draft.add_texture(owner, name, ImageTexture::new(bitmap)))
+            let image = ImageTexture { encoding, ..ImageTexture::new(bitmap) };
+            Ok(draft.add_texture(owner, name, image))
         })?),
         None => None,
     })
@@ -208,6 +241,32 @@ pub(super) fn said_color(
     Said { key, value: Written::Table(groups), usual: false }
 }
 
+/// A key with a number that may be textured. `usual` is what is meant where the key is not there.
+pub(super) fn said_scalar(
+    key: &'static str,
+    input: ScalarInput,
+    names: &[TextureName],
+    usual: f32,
+) -> Said {
+    let Some((id, channel)) = input.texture else {
+        return Said::or(key, number(input.factor), &number(usual));
+    };
+    let red = said::name(CHANNELS, &Channel::Red);
+    let groups = vec![
+        said_texture(Some(id), names),
+        Group::or(&["channel"], said::name(CHANNELS, &channel), &red),
+        Group::or(&["factor"], number(input.factor), "1"),
+    ];
+    Said { key, value: Written::Table(groups), usual: false }
+}
+
+/// A picture of normals.
+pub(super) fn said_normal_map(map: &NormalMap, names: &[TextureName]) -> Said {
+    let groups =
+        vec![said_texture(Some(map.texture), names), Group::or(&["scale"], number(map.scale), "1")];
+    Said { key: "normal_map", value: Written::Table(groups), usual: false }
+}
+
 /// How much of a surface is there.
 pub(super) fn said_opacity(opacity: &Opacity, names: &[TextureName]) -> Said {
     let &Opacity { amount: ScalarInput { factor, texture }, vertex_colors, mode } = opacity;
@@ -233,7 +292,7 @@ pub(super) fn said_opacity(opacity: &Opacity, names: &[TextureName]) -> Said {
 }
 
 /// What a table calls a texture.
-fn said_texture(texture: Option<TextureId>, names: &[TextureName]) -> Group {
+pub(super) fn said_texture(texture: Option<TextureId>, names: &[TextureName]) -> Group {
     let said = texture.and_then(|id| names.get(id.0 as usize)).map(|name| match name {
         TextureName::Named(name) => Said::new("texture", said::text(name)),
         TextureName::Image(file) => Said::new("image", said::text(file)),

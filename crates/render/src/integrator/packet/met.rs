@@ -233,7 +233,11 @@ impl<'p> MetPacket<'p> {
     #[inline(always)]
     pub(super) fn emission(&self, scene: &Prepared, lane: usize, wo: Vec3) -> Option<SeenEmission> {
         let (position, normal) = (at(&self.hits.position, lane), at(&self.hits.normal, lane));
-        SeenEmission::of_emitter(scene, self.emitters[lane]?, position, normal, wo)
+        let seen = SeenEmission::of_emitter(scene, self.emitters[lane]?, position, normal, wo)?;
+        match self.hits.hit(lane).and_then(|hit| scene.glow_at(&hit)) {
+            Some(glow) => seen.painted(glow),
+            None => Some(seen),
+        }
     }
 
     #[inline(always)]

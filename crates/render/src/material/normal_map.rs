@@ -1,0 +1,28 @@
+//! Bumps that are painted: a picture of normals.
+
+use crate::id::TextureId;
+use crate::problem::{FINITE, Place, SceneProblem};
+
+/// Turns the normal that a surface is shaded by. Red, green and blue of the texture, from 0..1 to
+/// −1..1, are the normal along u, along v and out of the surface: what is even is (½, ½, 1). The
+/// texture's encoding should be linear.
+///
+/// Tangents are those of the mesh where it has some, else each triangle's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// The picture.
+    pub texture: TextureId,
+    /// A factor on the slopes.
+    pub scale: f32,
+}
+
+impl NormalMap {
+    pub(super) fn validate(&self, place: Place, textures: usize) -> Result<(), SceneProblem> {
+        place.check("normal_scale", [self.scale], FINITE)?;
+        if self.texture.0 as usize >= textures {
+            let what = format!("there is no texture number {}", self.texture.0);
+            return Err(place.problem("normal_map", what));
+        }
+        Ok(())
+    }
+}

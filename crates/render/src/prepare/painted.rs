@@ -1,0 +1,116 @@
+//! Surfaces whose normals, or light, a picture tells.
+
+use super::prepared::{Prepared, PreparedObject, Vertex};
+use super::texture::TexturePlace;
+use crate::color::Spectrum;
+use crate::interaction::SurfaceInteraction;
+use crate::material::NormalMap;
+use rutilant_geom::{Hit, Vec3};
+
+impl Prepared {
+    /// A point of a surface that is painted: `flat` is it without the paint.
+    #[inline(never)]
+    pub(super) fn painted(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        mut flat: SurfaceInteraction,
+    ) -> SurfaceInteraction {
+        flat.glow = self.glow_at(hit).unwrap_or(Spectrum::WHITE);
+        let material = &self.materials[object.material as usize];
+        let Some(vertices) = self.vertices(hit, object) else { return flat };
+        if material.normal_map.is_none() && object.first_normal.is_none() {
+            return flat;
+        }
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let corners = std::array::from_fn(|i| {
+            let Vertex { number, position } = vertices[i];
+            let own = object.first_normal.map(|first| self.normal_at(hit, first + number));
+            (position, own.unwrap_or(hit.normal), weights[i])
+        });
+        let normal = corners.iter().fold(Vec3::ZERO, |sum, (_, n, w)| sum + *n * *w);
+        match material.normal_map {
+            None => flat.smoothed(normal, corners),
+            Some(map) => {
+                let normal = normal.normalize_or(hit.normal);
+                let normal = if normal.dot(hit.normal) < 0.0 { -normal } else { normal };
+                let mapped = self.mapped(hit, object, &vertices, normal, map);
+                // One that points into the surface is none.
+                let above = mapped.dot(hit.normal) > 0.0;
+                flat.smoothed(if above { mapped } else { normal }, corners)
+            }
+        }
+    }
+
+    /// What a picture makes of the light that a surface gives at a place, if it does that.
+    pub(crate) fn glow_at(&self, hit: &Hit) -> Option<Spectrum> {
+        let object = self.object(hit);
+        let texture = self.materials[object.material as usize].glow?;
+        let place = TexturePlace::new(self, object, hit);
+        let [r, g, b, _] = self.textures.rgba(texture, &place);
+        Some(Spectrum::from([r, g, b]).map(|c| c.max(0.0)))
+    }
+
+    /// The unit vector `normal`, turned as the picture says; of any length.
+    fn mapped(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        vertices: &[Vertex; 3],
+        normal: Vec3,
+        NormalMap { texture, scale }: NormalMap,
+    ) -> Vec3 {
+        let Some((u, v)) = self.tangents(hit, object, vertices, normal) else { return normal };
+        let place = TexturePlace::new(self, object, hit);
+        let [x, y, z] = {
+            let [r, g, b, _] = self.textures.rgba(texture, &place);
+            [r, g, b].map(|c| 2.0 * c - 1.0)
+        };
+        u * (x * scale) + v * (y * scale) + normal * z
+    }
+
+    /// Where u and v grow, as unit vectors at right angles to the normal and each other; `None` where
+    /// that is nowhere.
+    fn tangents(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        vertices: &[Vertex; 3],
+        normal: Vec3,
+    ) -> Option<(Vec3, Vec3)> {
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let (along, hand) = match object.first_tangent {
+            Some(first) => {
+                let all = [0, 1, 2].map(|i| self.tangent_at(hit, first + vertices[i].number));
+                let sum = (0..3).fold(Vec3::ZERO, |sum, i| sum + all[i].0 * weights[i]);
+                (sum, all[0].1)
+            }
+            None => {
+                let [s, t, r] = self.uvs_of(object, vertices, 0);
+                let [a, b, c] = vertices.map(|vertex| vertex.position);
+                let (p, q) = (t - s, r - s);
+                let area = p.perp_dot(q);
+                let along = ((b - a) * q.y - (c - a) * p.y) * area.signum();
+                // The triangle's own front is where its picture runs counter-clockwise, or not.
+                let front = (b - a).cross(c - a).dot(normal);
+                (along, area.signum() * front.signum())
+            }
+        };
+        let u = (along - normal * normal.dot(along)).try_normalize()?;
+        Some((u, normal.cross(u) * hand))
+    }
+
+    /// Tangent number `i` in the world, and its hand, of the object that was hit.
+    fn tangent_at(&self, hit: &Hit, i: u32) -> (Vec3, f32) {
+        let [x, y, z, hand] = self.tangents[i as usize];
+        let tangent = Vec3::new(x, y, z);
+        match hit.instance {
+            None => (tangent, hand),
+            Some(instance) => {
+                let placed = &self.surfaces.instances()[instance as usize].world_from_mesh;
+                let hand = if placed.mirrors() { -hand } else { hand };
+                (placed.vector(tangent).normalize_or_zero(), hand)
+            }
+        }
+    }
+}
