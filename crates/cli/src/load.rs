@@ -27,6 +27,12 @@ pub(crate) struct Reading {
     /// Refuse scenes whose textures are missing or broken, instead of showing them in magenta
     #[arg(long, help_heading = READING)]
     pub strict: bool,
+    /// Show the materials of this variant (glTF)
+    #[arg(long, value_name = "NAME", help_heading = READING)]
+    pub variant: Option<String>,
+    /// Show the first animation at this time (glTF)
+    #[arg(long, value_name = "SECONDS", help_heading = READING, allow_hyphen_values = true)]
+    pub at_time: Option<f32>,
     /// See the scene by the camera of this name, not by the first one
     #[arg(long, value_name = "NAME", help_heading = READING)]
     pub camera: Option<String>,
@@ -69,6 +75,8 @@ pub(crate) fn read(
         limits: reading.limited.limits(),
         allow_outside: reading.allow_path,
         strict: reading.strict,
+        variant: reading.variant.as_deref(),
+        at_time: reading.at_time,
         size,
         camera: reading.camera.as_deref(),
         ..ReadOptions::default()

@@ -76,7 +76,7 @@ Examples:
   rutilant check kitchen.toml               is the scene all right?
   rutilant compare a.exr reference.exr      how far is it from the truth?
 
-Scenes: .toml (docs/scene-format.md), .obj, .ply. Images: .exr, .hdr, .pfm, .png, .jpg; .webp is only read.
+Scenes: .toml (docs/scene-format.md), .gltf, .glb (docs/gltf.md), .obj, .ply. Images: .exr, .hdr, .pfm, .png, .jpg; .webp is only read.
 Exit status: 0 done, 1 failed, 2 bad usage or bad scene, 130 interrupted.";
 
 fn main() -> ExitCode {

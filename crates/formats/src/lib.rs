@@ -35,12 +35,18 @@ use std::path::Path;
 type SceneReader = fn(&Path, &ReadOptions<'_>) -> Result<LoadedScene, SceneError>;
 
 /// Every kind of scene file, by its extension.
-const SCENES: &[(&str, SceneReader)] =
-    &[("toml", scene::native::read), ("obj", scene::bare::read), ("ply", scene::bare::read)];
+const SCENES: &[(&str, SceneReader)] = &[
+    ("toml", scene::native::read),
+    ("gltf", scene::gltf::scene::read),
+    ("glb", scene::gltf::scene::read),
+    ("obj", scene::bare::read),
+    ("ply", scene::bare::read),
+];
 
 /// Reads the scene in a file of any kind that is known by its extension.
 ///
-/// `.toml` is the native format (docs/scene-format.md). A bare `.obj` or `.ply`
+/// `.toml` is the native format (docs/scene-format.md), `.gltf` and `.glb` are glTF 2.0
+/// (docs/gltf.md). A bare `.obj` or `.ply`
 /// becomes a scene as well: under an even sky, seen by a camera that fits it.
 ///
 /// # Errors

@@ -17,6 +17,11 @@ pub struct ReadOptions<'a> {
     /// Whether a picture of a texture that is missing or cannot be read is an error; else it is
     /// magenta, with a note.
     pub strict: bool,
+    /// The name of the variant whose materials are shown, of a glTF file that has some.
+    pub variant: Option<&'a str>,
+    /// The time, in seconds, of the first animation of a glTF file at which all stands; where no
+    /// animation has moved it if `None`.
+    pub at_time: Option<f32>,
     /// The name of the camera that sees the scene; the first one if `None`.
     pub camera: Option<&'a str>,
 }

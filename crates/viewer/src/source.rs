@@ -39,6 +39,10 @@ pub struct Reading {
     pub allow_outside: bool,
     /// Whether a picture that is missing is an error.
     pub strict: bool,
+    /// The variant of a glTF file's materials, by its name.
+    pub variant: Option<String>,
+    /// The time at which its animation stands, in seconds.
+    pub at_time: Option<f32>,
     /// The camera to begin with, by its name.
     pub camera: Option<String>,
     /// The size of the picture, whatever the scene says.
@@ -219,6 +223,8 @@ fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, Loade
         limits: reading.limits,
         allow_outside: reading.allow_outside,
         strict: reading.strict,
+        variant: reading.variant.as_deref(),
+        at_time: reading.at_time,
         size: reading.size,
         camera: reading.camera.as_deref(),
         embedded: if file.is_none() { reading.built_in.images } else { &[] },
@@ -265,6 +271,8 @@ pub(crate) fn text_of(
         limits: reading.limits,
         allow_outside: reading.allow_outside,
         strict: reading.strict,
+        variant: reading.variant.as_deref(),
+        at_time: reading.at_time,
         camera: (!look.camera.name.is_empty()).then_some(&*look.camera.name),
         embedded: if document.file.is_none() { reading.built_in.images } else { &[] },
         ..ReadOptions::default()

@@ -25,7 +25,7 @@ pub(crate) enum From {
     /// A file: its path for messages, and the same for every name of the same file.
     File { path: PathBuf, identity: PathBuf },
     /// Bytes that are at hand, under a name.
-    Bytes { name: String, bytes: Vec<u8> },
+    Bytes { name: String, bytes: Arc<Vec<u8>> },
     /// Nowhere, and why.
     Nowhere(String),
 }
@@ -57,7 +57,7 @@ impl Pictures {
     /// Asks for the picture of a name that a scene says.
     pub(super) fn want_named(&mut self, name: &str, files: &Files<'_>, at: Source) -> BitmapId {
         let from = match files.embedded(name) {
-            Some(bytes) => From::Bytes { name: name.to_owned(), bytes: bytes.to_owned() },
+            Some(bytes) => From::Bytes { name: name.to_owned(), bytes: Arc::new(bytes.to_owned()) },
             None => match files.find(name) {
                 Ok(Found { path, identity }) => From::File { path, identity },
                 Err(what) => From::Nowhere(what),

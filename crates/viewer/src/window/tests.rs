@@ -97,6 +97,8 @@ impl Desk {
                     limits: Limits::default(),
                     allow_outside: false,
                     strict: false,
+                    variant: None,
+                    at_time: None,
                     camera: None,
                     size: None,
                     adjust: Arc::new(|_| {}),

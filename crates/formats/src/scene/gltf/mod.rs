@@ -24,6 +24,7 @@ mod mesh;
 mod meshopt;
 mod node;
 mod pose;
+pub(crate) mod scene;
 mod store;
 mod texture;
 mod uri;

@@ -1,0 +1,506 @@
+//! From a document to a scene of the renderer.
+//!
+//! Every material becomes a principled one, or a matte one that glows where it
+//! is unlit. Texture coordinates have v downwards in the document and upwards
+//! in a scene: meshes are turned over as they are taken in, and what textures
+//! do to coordinates with them. Meshes are taken in once, however often they
+//! stand somewhere.
+
+use super::document::Document;
+use super::material::{Alpha, Material as Written};
+use super::mesh::Primitive;
+use super::node::{LightKind, Projection};
+use super::pose::{Moment, Placed, Pose};
+use super::texture::{Filter, ImageBytes, TextureRef, Wrap as WrittenWrap};
+use super::uri;
+use crate::camera::{AuthoredCamera, CameraKind};
+use crate::error::{SceneError, Source};
+use crate::options::ReadOptions;
+use crate::scene::bare;
+use crate::scene::files::Files;
+use crate::scene::framing::{bounds_of_all, frame_all};
+use crate::scene::loaded::{LoadedScene, camera_named};
+use crate::scene::pictures::{self, Pictures, Wanted};
+use rutilant::color::Rgb;
+use rutilant::light::{Environment, Light, SpotLight};
+use rutilant::material::{
+    Absorption, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
+    Principled, PrincipledTextures,
+};
+use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
+use rutilant::settings::Settings;
+use rutilant::shape::{Mesh, Object, Shape};
+use rutilant::texture::{
+    Channel, Encoding, ImageTexture, Interpolation, ScalarInput, Texture, UvMapping, Wrap,
+};
+use rutilant_geom::{Transform, Vec2, Vec3, real};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Reads a `.gltf` or `.glb` file as a scene.
+pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
+    let document = super::read(path, options)?;
+    let variant = options.variant.map(|name| document.variant(name)).transpose()?;
+    let moment = options.at_time.map(|seconds| Moment { animation: 0, seconds });
+    let pose = document.pose(moment);
+    let placed = document.placed(None, &pose)?;
+    let mut maker = Maker {
+        document: &document,
+        path,
+        variant,
+        scene: bare::empty(),
+        pictures: Pictures::default(),
+        files: Files::beside(path, options),
+        images: HashMap::new(),
+        textures: HashMap::new(),
+        materials: HashMap::new(),
+        meshes: HashMap::new(),
+        notes: document.notes.clone(),
+    };
+    for placed in &placed {
+        maker.place(placed, &pose);
+    }
+    for light in placed.iter().filter_map(|p| Some((p.light?, &p.world_from_node))) {
+        maker.add_light(light.0, light.1);
+    }
+    maker.finish(&placed, options)
+}
+
+/// A scene that is being made.
+struct Maker<'d> {
+    document: &'d Document,
+    path: &'d Path,
+    variant: Option<usize>,
+    scene: Scene,
+    pictures: Pictures,
+    files: Files<'d>,
+    /// By their numbers in the document.
+    images: HashMap<usize, BitmapId>,
+    textures: HashMap<String, TextureId>,
+    /// By number, and whether vertex colours count.
+    materials: HashMap<(Option<usize>, bool), MaterialId>,
+    /// By mesh, primitive, and the set of coordinates that tangents are wanted for.
+    meshes: HashMap<(usize, usize, Option<u32>), MeshId>,
+    notes: Vec<String>,
+}
+
+impl Maker<'_> {
+    /// Puts a node's mesh into the scene.
+    fn place(&mut self, placed: &Placed, pose: &Pose) {
+        let Some(number) = placed.mesh else { return };
+        let document = self.document;
+        for (i, primitive) in document.meshes[number].primitives.iter().enumerate() {
+            let written = document.material(primitive, self.variant);
+            let material = self.material(written, primitive.colors.contains_key(&0));
+            let map = written.and_then(|m| document.materials[m].normal_texture);
+            let tangents = map.map(|map| map.set).filter(|_| primitive.tangents.is_none());
+            // What is bent is another mesh at every node.
+            let bends = placed.skin.is_some() || !primitive.targets.is_empty();
+            let key = (number, i, tangents);
+            let known = self.meshes.get(&key).copied().filter(|_| !bends);
+            let mesh = known.unwrap_or_else(|| {
+                let bent = document.bent(pose, placed.node, primitive);
+                let mut mesh = mesh_of(primitive, &document.meshes[number].name);
+                mesh.positions = Arc::unwrap_or_clone(bent.positions);
+                mesh.normals = bent.normals.map(Arc::unwrap_or_clone).unwrap_or_default();
+                mesh.tangents = bent.tangents.map(Arc::unwrap_or_clone).unwrap_or_default();
+                if let Some(set) = tangents {
+                    mesh = mesh.with_tangents(set as usize);
+                }
+                let id = self.scene.add_mesh(mesh);
+                self.meshes.insert(key, id);
+                id
+            });
+            let copies = placed.copies.as_deref();
+            let each = copies.map_or(1, Vec::len);
+            for k in 0..each {
+                let own = copies.and_then(|copies| copies[k].to_transform());
+                let world_from_object = match own {
+                    Some(node_from_copy) => placed.world_from_node * node_from_copy,
+                    None => placed.world_from_mesh,
+                };
+                // A scale of nothing hides.
+                if world_from_object.inverse().is_some() {
+                    let shape = Shape::Mesh(mesh);
+                    self.scene.objects.push(Object { shape, material, world_from_object });
+                }
+            }
+        }
+    }
+
+    fn add_light(&mut self, number: usize, world: &Transform) {
+        let light = &self.document.lights[number];
+        let rgb = Rgb(light.color.map(|c| c * light.intensity));
+        let position = world.translation();
+        let direction = world.vector(Vec3::NEG_Z).normalize_or(Vec3::NEG_Z);
+        self.scene.lights.push(match light.kind {
+            LightKind::Directional => Light::Directional { direction, irradiance: rgb },
+            LightKind::Point => Light::Point { position, intensity: rgb },
+            LightKind::Spot { inner, outer } => {
+                Light::Spot { position, direction, light: SpotLight::Intensity(rgb), inner, outer }
+            }
+        });
+    }
+
+    /// The scene's material for one of the document.
+    fn material(&mut self, number: Option<usize>, vertex_colors: bool) -> MaterialId {
+        let key = (number, vertex_colors);
+        if let Some(id) = self.materials.get(&key) {
+            return *id;
+        }
+        let material = match number {
+            Some(i) => self.made(&self.document.materials[i], vertex_colors),
+            None => {
+                // White, rough metal, by the specification; nobody means that.
+                let textures = PrincipledTextures { vertex_colors, ..Default::default() };
+                let kind = Principled { roughness: 1.0, textures, ..Principled::default() };
+                Material::new(MaterialKind::Principled(Box::new(kind)))
+            }
+        };
+        let id = self.scene.add_material(material);
+        self.materials.insert(key, id);
+        id
+    }
+
+    fn made(&mut self, written: &Written, vertex_colors: bool) -> Material {
+        let [r, g, b, alpha] = written.base_color;
+        let color = Rgb([r, g, b]);
+        let base = self.color(written.base_color_texture.as_ref());
+        let opacity = match written.alpha {
+            Alpha::Opaque => None,
+            Alpha::Mask { cutoff } if cutoff > 1.0 => Some((0.0, OpacityMode::Blend)),
+            Alpha::Mask { cutoff } => Some((alpha, OpacityMode::Mask { cutoff })),
+            Alpha::Blend => Some((alpha, OpacityMode::Blend)),
+        };
+        let opacity = opacity.map(|(factor, mode)| Opacity {
+            amount: ScalarInput { factor, texture: base.map(|id| (id, Channel::Alpha)) },
+            vertex_colors,
+            mode,
+        });
+        let opacity = opacity.filter(|o| {
+            let always = o.amount.factor >= 1.0 && o.amount.texture.is_none() && !vertex_colors;
+            !always
+        });
+        let name = written.name.clone();
+        if written.unlit {
+            let light = EmittedLight::Radiance(color);
+            let emission = Some(Emission { light, texture: base, two_sided: true });
+            return Material {
+                emission,
+                opacity,
+                ..Material::new(MaterialKind::Black).named(name)
+            };
+        }
+        let strength = written.emissive_strength;
+        let radiance =
+            Rgb(written.emissive.map(|e| (e * strength).min(rutilant::scene::MOST_LIGHT)));
+        let emission = (radiance != Rgb::BLACK).then(|| Emission {
+            light: EmittedLight::Radiance(radiance),
+            texture: self.color(written.emissive_texture.as_ref()),
+            two_sided: written.double_sided,
+        });
+        let normal_map = written.normal_texture.as_ref().map(|map| NormalMap {
+            texture: self.texture(map, Encoding::Linear),
+            scale: written.normal_scale,
+        });
+        let kind = MaterialKind::Principled(Box::new(self.principled(
+            written,
+            color,
+            base,
+            vertex_colors,
+        )));
+        Material { emission, opacity, normal_map, ..Material::new(kind).named(name) }
+    }
+
+    fn principled(
+        &mut self,
+        written: &Written,
+        base_color: Rgb,
+        base: Option<TextureId>,
+        vertex_colors: bool,
+    ) -> Principled {
+        let rough = written.metallic_roughness_texture.as_ref();
+        let of = PrincipledTextures {
+            base_color: base,
+            vertex_colors,
+            metallic: self.scalar(rough, Channel::Blue),
+            roughness: self.scalar(rough, Channel::Green),
+            specular: self.scalar(written.specular.strength_texture.as_ref(), Channel::Alpha),
+            specular_color: self.color(written.specular.color_texture.as_ref()),
+            ..PrincipledTextures::default()
+        };
+        // An index of 0 stands for one that reflects everything but for the specular colour.
+        let ior = if written.ior == 0.0 { MOST_IOR } else { written.ior.clamp(1.0, MOST_IOR) };
+        // A colour above 1 is meant for what an index reflects little of.
+        let specular_color = Rgb(written.specular.color.map(|c| c.min(1.0)));
+        let mut made = Principled {
+            base_color,
+            metallic: written.metallic,
+            roughness: written.roughness,
+            specular: written.specular.strength,
+            specular_color,
+            ior,
+            thin_walled: true,
+            textures: of,
+            ..Principled::default()
+        };
+        if let Some(transmission) = &written.transmission {
+            made.transmission = transmission.factor;
+            made.textures.transmission = self.scalar(transmission.texture.as_ref(), Channel::Red);
+        }
+        if let Some(volume) = written.volume.as_ref().filter(|volume| volume.thickness > 0.0) {
+            made.thin_walled = false;
+            let color = Rgb(volume.attenuation_color.map(|c| c.clamp(LEAST_LEFT, 1.0)));
+            if volume.attenuation_distance.is_finite() && color != Rgb::WHITE {
+                let distance = volume.attenuation_distance;
+                made.absorption = Absorption::ColorAtDistance { color, distance };
+            }
+        }
+        if let Some(coat) = &written.clearcoat {
+            (made.coat, made.coat_roughness) = (coat.factor, coat.roughness);
+            made.textures.coat = self.scalar(coat.texture.as_ref(), Channel::Red);
+            made.textures.coat_roughness =
+                self.scalar(coat.roughness_texture.as_ref(), Channel::Green);
+        }
+        if let Some(sheen) = &written.sheen {
+            (made.sheen_color, made.sheen_roughness) = (Rgb(sheen.color), sheen.roughness);
+            made.textures.sheen_color = self.color(sheen.color_texture.as_ref());
+            made.textures.sheen_roughness =
+                self.scalar(sheen.roughness_texture.as_ref(), Channel::Alpha);
+        }
+        if let Some(film) = &written.iridescence {
+            (made.iridescence, made.iridescence_ior) = (film.factor, film.ior.clamp(1.0, MOST_IOR));
+            made.iridescence_thickness_nm = film.thickness_maximum_nm.clamp(0.0, THICKEST_NM);
+            made.textures.iridescence = self.scalar(film.texture.as_ref(), Channel::Red);
+            made.textures.iridescence_thickness_nm =
+                self.scalar(film.thickness_texture.as_ref(), Channel::Green);
+        }
+        if let Some(through) = &written.diffuse_transmission {
+            made.diffuse_transmission = through.factor;
+            made.diffuse_transmission_color = Rgb(through.color);
+            made.textures.diffuse_transmission =
+                self.scalar(through.texture.as_ref(), Channel::Alpha);
+            made.textures.diffuse_transmission_color = self.color(through.color_texture.as_ref());
+        }
+        if let Some(anisotropy) = &written.anisotropy {
+            made.anisotropy = anisotropy.strength;
+            made.anisotropy_rotation = anisotropy.rotation;
+        }
+        if made.has_inside() && made.ior > MOST_ROUGH_IOR {
+            made.ior = MOST_ROUGH_IOR;
+        }
+        made
+    }
+
+    fn color(&mut self, texture: Option<&TextureRef>) -> Option<TextureId> {
+        texture.map(|texture| self.texture(texture, Encoding::Srgb))
+    }
+
+    fn scalar(
+        &mut self,
+        texture: Option<&TextureRef>,
+        channel: Channel,
+    ) -> Option<(TextureId, Channel)> {
+        texture.map(|texture| (self.texture(texture, Encoding::Linear), channel))
+    }
+
+    /// The scene's texture for one that a material uses.
+    fn texture(&mut self, used: &TextureRef, encoding: Encoding) -> TextureId {
+        let key = format!("{used:?} {encoding:?}");
+        if let Some(id) = self.textures.get(&key) {
+            return *id;
+        }
+        let written = &self.document.textures[used.texture];
+        let wrap = written.wrap.map(|wrap| match wrap {
+            WrittenWrap::Repeat => Wrap::Repeat,
+            WrittenWrap::Mirror => Wrap::Mirror,
+            WrittenWrap::Clamp => Wrap::Clamp,
+        });
+        let interpolation = match written.filter {
+            Filter::Linear => Interpolation::Bilinear,
+            Filter::Nearest => Interpolation::Nearest,
+        };
+        let bitmap = self.bitmap(written.image);
+        let mapping = mapping_of(used);
+        let image = ImageTexture { bitmap, encoding, wrap, interpolation, mapping };
+        let id = self.scene.add_texture(Texture::from(image));
+        self.textures.insert(key, id);
+        id
+    }
+
+    /// The picture of an image, to be read later.
+    fn bitmap(&mut self, number: usize) -> BitmapId {
+        if let Some(id) = self.images.get(&number) {
+            return *id;
+        }
+        let image = &self.document.images[number];
+        let at = Source::file(self.path);
+        let id = match &image.bytes {
+            ImageBytes::File(written) => {
+                // With escapes, or with what looks like some in its name.
+                let plain = uri::file_name(written);
+                let plain = plain.filter(|plain| self.files.find(plain).is_ok());
+                let name = plain.as_deref().unwrap_or(written);
+                self.pictures.want_named(name, &self.files, at)
+            }
+            ImageBytes::Here(bytes) => {
+                let name = format!("images[{number}]");
+                let bytes = Arc::clone(bytes);
+                self.pictures.want(Wanted { from: pictures::From::Bytes { name, bytes }, at })
+            }
+        };
+        self.images.insert(number, id);
+        id
+    }
+
+    /// Adds light where there is none, and eyes.
+    fn finish(
+        mut self,
+        placed: &[Placed],
+        options: &ReadOptions<'_>,
+    ) -> Result<LoadedScene, SceneError> {
+        let settings = Settings::default();
+        let size = options.size.unwrap_or(settings.size);
+        let invalid = |what: &str| SceneError::invalid_file(self.path, what);
+        self.scene.bitmaps =
+            self.pictures.read(&options.limits, options.strict, &mut self.notes)?;
+        let glows = self.scene.objects.iter().any(|object| {
+            let material = &self.scene.materials[object.material.0 as usize];
+            material.gives_light() && material.kind != MaterialKind::Black
+        });
+        if self.scene.lights.is_empty() && !glows {
+            self.scene.environment = Some(Environment::constant(Rgb::WHITE));
+            self.notes.push(format!(
+                "{}: there is no light in it: an even white sky stands in",
+                self.path.display()
+            ));
+        }
+        let mut cameras = Vec::new();
+        for (number, world) in placed.iter().filter_map(|p| Some((p.camera?, &p.world_from_node))) {
+            cameras.extend(self.camera(number, world));
+        }
+        if cameras.is_empty() {
+            let chosen = frame_all(&self.scene, size).ok_or_else(|| {
+                if bounds_of_all(&self.scene).is_empty() {
+                    invalid("there is nothing to see in it")
+                } else {
+                    invalid(bare::TOO_LARGE)
+                }
+            })?;
+            cameras.push(chosen.authored);
+            self.notes.push(format!(
+                "{}: there is no camera in it: one was chosen that sees everything",
+                self.path.display()
+            ));
+        }
+        let camera = camera_named(&cameras, self.path, options)?;
+        self.scene.camera = cameras[camera].camera(size).map_err(|e| invalid(&e.to_string()))?;
+        self.scene.validate().map_err(|e| invalid(&e.to_string()))?;
+        let mut files = self.document.files.clone();
+        files.extend(self.pictures.files());
+        Ok(LoadedScene {
+            scene: self.scene,
+            settings,
+            display: Default::default(),
+            cameras,
+            camera,
+            image_names: Vec::new(),
+            texture_names: Vec::new(),
+            notes: self.notes,
+            files,
+            lines: Default::default(),
+        })
+    }
+
+    /// A camera in words.
+    fn camera(&self, number: usize, world: &Transform) -> Option<AuthoredCamera> {
+        let camera = &self.document.cameras[number];
+        let position = world.translation();
+        let direction = world.vector(Vec3::NEG_Z).try_normalize()?;
+        let up = world.vector(Vec3::Y).try_normalize()?;
+        let kind = match camera.projection {
+            Projection::Perspective { vertical, .. } => {
+                CameraKind::perspective(vertical.to_degrees())
+            }
+            Projection::Orthographic { half: [_, height], .. } => {
+                CameraKind::Orthographic { height: 2.0 * height.abs(), lens: Default::default() }
+            }
+        };
+        // Far enough for the direction to be told by the difference of two points.
+        let distance = position.abs().max_element().max(1.0);
+        let look_at = position + direction * distance;
+        let name = camera.name.clone();
+        Some(AuthoredCamera { name, position, look_at, up, kind })
+    }
+}
+
+/// The largest index of refraction that a material takes.
+const MOST_IOR: f32 = 10.0;
+/// That of rough glass.
+const MOST_ROUGH_IOR: f32 = 2.5;
+/// What is left of light at least, for there to be a coefficient.
+const LEAST_LEFT: f32 = 1e-4;
+/// The thickest film that a material takes.
+const THICKEST_NM: f32 = 1e5;
+
+/// A primitive without what bends.
+fn mesh_of(primitive: &Primitive, name: &str) -> Mesh {
+    let turned = |uvs: &Arc<Vec<Vec2>>| uvs.iter().map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect();
+    let last = primitive.uvs.keys().next_back().copied();
+    let mut sets = (0..=last.unwrap_or(0))
+        .take(MOST_SETS)
+        .map(|set| primitive.uvs.get(&set).map(turned).unwrap_or_default());
+    let uvs = sets.next().unwrap_or_default();
+    Mesh {
+        name: name.to_owned(),
+        uvs,
+        more_uvs: sets.collect(),
+        colors: primitive.colors.get(&0).map(|c| c.to_vec()).unwrap_or_default(),
+        triangles: primitive.triangles.to_vec(),
+        ..Mesh::default()
+    }
+}
+
+/// More sets of texture coordinates than this are not taken.
+const MOST_SETS: usize = 16;
+
+/// What a texture does to coordinates, with v turned over before and after. With F(u, v) = (u, 1 − v),
+/// a turn by −θ as [`UvTransform`](super::texture::UvTransform) has it becomes one by θ.
+fn mapping_of(used: &TextureRef) -> UvMapping {
+    let transform = &used.transform;
+    let (s, c) = real::sin_cos(transform.rotation);
+    let [scale_u, scale_v] = transform.scale;
+    let [u, v] = transform.offset;
+    // Where (0, 1), the document's lower left corner, goes.
+    let corner = Vec2::new(s * scale_v + u, c * scale_v + v);
+    UvMapping {
+        set: used.set,
+        scale: Vec2::new(scale_u, scale_v),
+        rotation: transform.rotation,
+        offset: Vec2::new(corner.x, 1.0 - corner.y),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::texture::UvTransform;
+    use super::*;
+
+    /// Turning v over, doing what the scene does, and turning it back is what the document does.
+    #[test]
+    fn mappings_agree() {
+        let transform = UvTransform { offset: [0.3, -0.7], rotation: 0.6, scale: [2.0, -1.5] };
+        let used = TextureRef { texture: 0, set: 3, transform };
+        let mapping = mapping_of(&used);
+        assert_eq!(mapping.set, 3);
+        let (s, c) = mapping.rotation.sin_cos();
+        for uv in [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::new(0.3, 0.9)] {
+            let flipped = Vec2::new(uv.x, 1.0 - uv.y) * mapping.scale;
+            let turned = Vec2::new(c * flipped.x - s * flipped.y, s * flipped.x + c * flipped.y);
+            let there = turned + mapping.offset;
+            let expected = transform.apply(uv);
+            assert!((Vec2::new(there.x, 1.0 - there.y) - expected).length() < 1e-6);
+        }
+    }
+}
