@@ -265,7 +265,7 @@ fn main() {
     match arguments.first().map(String::as_str) {
         Some("build") => build(number(1, 1e6) as u32),
         Some("few") => {
-            compare(&room(number(1, 4.0) as u32), number(2, 5.0), number(3, 2.0) as u32, 4096)
+            compare(&room(number(1, 4.0) as u32), number(2, 5.0), number(3, 2.0) as u32, 256)
         }
         _ => compare(
             &city(number(0, 1e4) as u32),

@@ -39,7 +39,7 @@ pub struct TreeSelection {
 
 /// From so many lights within the scene on, the tree is the usual choice. Fewer are not worth
 /// looking at: example `many_lights`.
-const MANY: usize = 9;
+const MANY: usize = 6;
 
 impl EmitterSelection {
     /// Chooses among `emitters` in the way of `kind`; `scene_radius` as in [`Emitter::power`].
