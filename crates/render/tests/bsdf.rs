@@ -313,6 +313,7 @@ fn scattering_is_reciprocal() {
     let even = |e: Entry| {
         let eta = match e.name.as_str() {
             name if name.contains("bubble") => 1.0 / 1.33,
+            "paper" => 1.0,
             name if name.starts_with("thin") => 1.0,
             _ => 1.5,
         };

@@ -251,7 +251,7 @@ fn layers_say_the_same_of_both_ways() {
                 assert!((back.pdf - s.pdf).abs() < 2e-3, "{parameters:?} {wo}: {s:?} {back:?}");
                 // Radiance is corrected for the index.
                 let there = s.weight * (s.pdf * s.eta * s.eta);
-                let again = back.weight * back.pdf;
+                let again = back.weight * (back.pdf * back.eta * back.eta);
                 for (a, b) in there.channels().into_iter().zip(again.channels()) {
                     assert!((a - b).abs() < 2e-3, "{parameters:?} {wo}: {s:?} {back:?}");
                 }

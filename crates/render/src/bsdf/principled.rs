@@ -504,7 +504,7 @@ impl Principled {
                 matte.filter(|w| w.z > 0.0)
             }
             Way::MatteThrough => {
-                eta = self.index_beyond(view.outside);
+                eta = self.matte_index_beyond(view.outside);
                 Some(-warp::cosine_hemisphere(u)).filter(|w| w.z < 0.0)
             }
         };
@@ -687,6 +687,7 @@ impl Principled {
         // Through a matte body.
         if ways.matte_through > 0.0 {
             let through = self.opaque * view.left * self.left(wi) / self.mean_left;
+            let eta = self.matte_index_beyond(view.outside);
             value += self.matte_through * (through * i * FRAC_1_PI / (eta * eta));
             pdf += ways.matte_through * warp::cosine_hemisphere_pdf(i);
         }
@@ -934,6 +935,12 @@ impl Principled {
             (false, true) => self.its.eta,
             (false, false) => 1.0 / self.its.eta,
         }
+    }
+
+    /// The same for light that a matte body sends on. Where it alone does so, there is no border to
+    /// bend light, and no index behind it.
+    fn matte_index_beyond(&self, outside: bool) -> f32 {
+        if self.clear > 0.0 { self.index_beyond(outside) } else { 1.0 }
     }
 
     fn smooth_coat(&self, view: &View) -> Option<&Coat> {

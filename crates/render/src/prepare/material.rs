@@ -163,8 +163,10 @@ pub(super) fn prepare_materials(
                 }
                 if p.has_inside() {
                     let absorption = p.absorption.coefficient();
+                    // What only a matte body sends on is not bent.
+                    let ior = if p.transmission > 0.0 { p.ior } else { 1.0 };
                     prepared.border = Some(Border {
-                        interior: PreparedMedium { ior: p.ior, absorption },
+                        interior: PreparedMedium { ior, absorption },
                         exterior: PreparedMedium { ior: 1.0, absorption: Spectrum::BLACK },
                         material: i as u32,
                         rank: ranks.get(&i).copied(),
