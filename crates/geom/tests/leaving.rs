@@ -209,7 +209,7 @@ fn surfaces_that_touch_are_told_of() {
             assert!(hit.primitive < 2, "{i}: {hit:?}");
             let ends = [-way, way].map(|way| offset_origin(hit.position, hit.normal, way));
             let mut met = vec![];
-            scene.at_the_same_place(&ray, &hit, ends, |primitive, front| {
+            scene.at_the_same_place(&ray, &hit, ends, |_, primitive, front| {
                 met.push((primitive, front));
             });
             met.sort_unstable();
