@@ -84,7 +84,10 @@ impl Nearest {
     /// Takes the place of what is farther, and tells whether it did; of equal ones the first stays.
     #[inline(always)]
     fn keep(self, nearest: &mut Option<Self>) -> bool {
-        let sooner = |n: &Self| (self.t, self.turn, self.primitive) < (n.t, n.turn, n.primitive);
+        let sooner = |n: &Self| {
+            let first = || (self.turn, self.primitive) < (n.turn, n.primitive);
+            self.t < n.t || (self.t == n.t && first())
+        };
         let keep = nearest.as_ref().is_none_or(sooner);
         if keep {
             *nearest = Some(self);
@@ -210,8 +213,12 @@ impl Surfaces {
         search: &mut Search,
     ) {
         for number in self.singles_of(leaf) {
-            let reach = f64::from(*limit) / f64::from(scale);
-            self.meet_single(ray, *number, reach, &mut search.nearest, &mut search.custom);
+            if number & INSTANCE != 0 {
+                let reach = f64::from(*limit) / f64::from(scale);
+                self.meet_instance(ray, number & !INSTANCE, reach, &mut search.nearest);
+            } else {
+                self.meet_single(ray, *number, &mut search.nearest, &mut search.custom);
+            }
             if let Some(nearest) = search.nearest {
                 *limit = limit.min(limit_of(nearest.t, scale));
             }
@@ -296,7 +303,14 @@ impl Surfaces {
                 return true;
             }
         }
-        self.singles_of(leaf).iter().any(|number| self.blocks_single(ray, *number))
+        self.singles_of(leaf).iter().any(|number| {
+            if number & INSTANCE != 0 {
+                return self.instance_blocks(ray, number & !INSTANCE);
+            }
+            let mut nearest = None;
+            self.meet_single(ray, *number, &mut nearest, &mut None);
+            nearest.is_some()
+        })
     }
 
     /// Whether a ray meets some of the triangles of a pack.
@@ -661,21 +675,16 @@ impl Surfaces {
         }
     }
 
-    /// Meets one primitive of any kind, or what is in an instance, and keeps the hit if it is the
-    /// nearest, with what a custom shape `said`. What lies beyond `reach` need not be found.
+    /// Meets one primitive of any kind, and keeps the hit if it is the nearest, with what a custom
+    /// shape `said`.
     #[inline(never)]
     fn meet_single(
         &self,
         ray: &Ray,
         primitive: u32,
-        reach: f64,
         nearest: &mut Option<Nearest>,
         said: &mut Option<CustomHit>,
     ) {
-        if primitive & INSTANCE != 0 {
-            self.meet_instance(ray, primitive & !INSTANCE, reach, nearest);
-            return;
-        }
         let turn = Turn::alone(primitive);
         let (t, uv) = match self.primitive(primitive) {
             Primitive::Triangle([a, b, c]) => {
@@ -701,19 +710,9 @@ impl Surfaces {
         Nearest { t, turn, primitive, uv }.keep(nearest);
     }
 
-    /// Whether one primitive of any kind, or anything in an instance, is in the way.
-    #[inline(never)]
-    fn blocks_single(&self, ray: &Ray, primitive: u32) -> bool {
-        if primitive & INSTANCE != 0 {
-            return self.instance_blocks(ray, primitive & !INSTANCE);
-        }
-        let mut nearest = None;
-        self.meet_single(ray, primitive, f64::INFINITY, &mut nearest, &mut None);
-        nearest.is_some()
-    }
-
     /// Meets the triangles of an instance, and keeps the nearest hit. What lies beyond `reach` need
     /// not be found.
+    #[inline(never)]
     fn meet_instance(&self, ray: &Ray, i: u32, reach: f64, nearest: &mut Option<Nearest>) {
         let turn = Turn::within(i, self.instances()[i as usize].after);
         let exact = TriangleRay::new(ray);
@@ -737,6 +736,7 @@ impl Surfaces {
     }
 
     /// Whether a ray meets anything in an instance.
+    #[inline(never)]
     fn instance_blocks(&self, ray: &Ray, i: u32) -> bool {
         let exact = TriangleRay::new(ray);
         let mut blocked = false;

@@ -28,7 +28,7 @@ const MISTAKES: &[(&str, &str)] = &[
     (
         "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\n\
          instances = [{ translate = [1, 0, 0] }, { move = [1, 0, 0] }]",
-        r#"12:43: no key "move" in [[shape.instances]]; known are matrix, rotate, rotate_degrees, scale, translate"#,
+        r#"12:43: no key "move" in [[shape.instances]]; there are translate, rotate_degrees, rotate, scale, matrix"#,
     ),
     (
         "[[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"grey\"\n\
