@@ -9,9 +9,10 @@ use rutilant::color::Rgb;
 use rutilant::film::Filter;
 use rutilant::geom::{Ray, Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::Environment;
+use rutilant::light::{Environment, Light};
 use rutilant::material::{
-    Emission, Material, MaterialKind, Matte, Mirror, Mix, Opacity, OpacityMode,
+    Emission, Material, MaterialKind, Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode,
+    Principled, PrincipledTextures,
 };
 use rutilant::scene::{Scene, TextureId};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
@@ -385,5 +386,120 @@ fn holes_show_what_is_behind() {
     for (i, value) in render(&scene, depth).channel("R").unwrap().iter().enumerate() {
         let expected = if [0, 3].contains(&i) { 3.001 } else { 3.0 };
         assert!((value - expected).abs() < 1e-5, "{i}: {value}");
+    }
+}
+
+/// A picture of slopes shades a flat surface like the tilted one that it tells: under a directional
+/// light, as cosines say; and the same on a mirrored copy, where tangents are mirrored too.
+#[test]
+fn normal_maps_tilt_surfaces() {
+    // Normals that lean to the right by 0.6, and up by nothing: (0.6, 0, 0.8).
+    let texel = [0.6_f32, 0.0, 0.8].map(|n| 0.5 * n + 0.5).to_vec();
+    for (mirrored, with_tangents) in [(false, false), (true, false), (false, true), (true, true)] {
+        let mut scene = scene();
+        scene.environment = None;
+        let bitmap = scene.add_bitmap(Bitmap::new(1, 1, 3, Texels::Float(texel.clone())).unwrap());
+        let texture = scene
+            .add_texture(ImageTexture { encoding: Encoding::Linear, ..ImageTexture::new(bitmap) });
+        let normal_map = Some(NormalMap { texture, scale: 1.0 });
+        let bumpy = Material { normal_map, ..Matte::new(Rgb::WHITE).into() };
+        let bumpy = scene.add_material(bumpy);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let mesh = Mesh {
+            positions: corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            normals: vec![Vec3::Z; 4],
+            uvs: corners.map(|[x, y]| Vec2::new(0.5 * x + 0.5, 0.5 * y + 0.5)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let mesh = scene.add_mesh(if with_tangents { mesh.with_tangents(0) } else { mesh });
+        let turn = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
+        let square = Object::new(Shape::Mesh(mesh), bumpy);
+        scene.objects.push(square.transformed(&Transform::scale(turn)));
+        // From the right, at 30 degrees to the surface's own normal.
+        let from = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
+        let irradiance = Rgb::WHITE;
+        scene.lights.push(Light::Directional { direction: -from, irradiance });
+        let slope = if mirrored { -0.6 } else { 0.6 };
+        let cosine = slope * from.x + 0.8 * from.z;
+        let expected = f64::from(cosine) / std::f64::consts::PI;
+        let settings = Settings { size: [4, 4], filter: PIXEL, ..small(16) };
+        let (value, _) = mean(&render(&scene, settings), "G");
+        assert!((value - expected).abs() < 2e-3, "{mirrored} {with_tangents}: {value} {expected}");
+    }
+}
+
+/// A screen that glows in parts: seen as the picture says, and its light falls on things as that of
+/// as many small lamps, by every strategy.
+#[test]
+fn screens_glow_as_their_picture_says() {
+    let mut scene = scene();
+    scene.environment = None;
+    let codes = vec![255, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0];
+    let bitmap = scene.add_bitmap(Bitmap::new(2, 2, 3, Texels::Eight(codes)).unwrap());
+    let interpolation = Interpolation::Nearest;
+    let texture = scene.add_texture(ImageTexture { interpolation, ..ImageTexture::new(bitmap) });
+    let emission = Emission { texture: Some(texture), ..Emission::radiance(Rgb::WHITE) };
+    let screen = scene.add_material(emission);
+    scene.objects.push(Object::new(SQUARE, screen));
+    assert_eq!(tenths(&picture(&scene)), [RED, GREEN, BLUE, [0; 3]]);
+
+    // A floor below all of a wide one gets a quarter of the light in each channel.
+    scene.objects[0].shape = Shape::Rectangle { size: Vec2::splat(4000.0) };
+    let mapping = UvMapping { scale: Vec2::splat(4000.0), ..UvMapping::default() };
+    let Texture::Image(image) = scene.textures[0] else { panic!() };
+    scene.textures[0] = Texture::Image(ImageTexture { mapping, ..image });
+    let floor = scene.add_material(Matte::new(Rgb::WHITE));
+    let down = Transform::rotate(Vec3::X, std::f32::consts::PI);
+    scene.objects[0] =
+        scene.objects[0].clone().transformed(&(Transform::translate(Vec3::Z) * down));
+    scene.objects.push(Object::new(SQUARE, floor));
+    scene.camera = Orthographic::look_at(0.5 * Vec3::Z, Vec3::ZERO, 1.0).unwrap().into();
+    for strategy in [Strategy::Both, Strategy::LightOnly, Strategy::BsdfOnly] {
+        let settings = Settings { strategy, max_depth: Some(2), ..small(1024) };
+        common::assert_mean(&render(&scene, settings), 0.25, 4.5);
+    }
+}
+
+/// A principled surface takes its numbers from pictures: metal on one half and a white body without
+/// gloss on the other are as bright as without any picture.
+#[test]
+fn principled_surfaces_are_textured() {
+    let plain = |metallic: f32| {
+        let mut scene = scene();
+        let base_color = Rgb::new(0.9, 0.5, 0.2);
+        let kind = Principled { base_color, metallic, roughness: 0.5, ..Principled::default() };
+        let material = scene.add_material(Material::new(MaterialKind::Principled(Box::new(kind))));
+        scene.objects.push(Object::new(SQUARE, material));
+        render(&scene, Settings { size: [2, 1], filter: PIXEL, ..small(4096) })
+    };
+    let mut scene = scene();
+    let bitmap = scene.add_bitmap(Bitmap::new(2, 1, 1, Texels::Eight(vec![255, 0])).unwrap());
+    let image = ImageTexture { interpolation: Interpolation::Nearest, ..ImageTexture::new(bitmap) };
+    let texture = scene.add_texture(ImageTexture { encoding: Encoding::Linear, ..image });
+    let color = scene.add_bitmap(Bitmap::new(1, 1, 3, Texels::Float(vec![0.9, 0.5, 0.2])).unwrap());
+    let color = scene.add_texture(ImageTexture::new(color));
+    let textures = PrincipledTextures {
+        base_color: Some(color),
+        metallic: Some((texture, Channel::Red)),
+        ..PrincipledTextures::default()
+    };
+    let kind = Principled {
+        base_color: Rgb::WHITE,
+        metallic: 1.0,
+        roughness: 0.5,
+        textures,
+        ..Principled::default()
+    };
+    let material = scene.add_material(Material::new(MaterialKind::Principled(Box::new(kind))));
+    scene.objects.push(Object::new(SQUARE, material));
+    // Twice as wide as high: the square fills the middle.
+    scene.camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 1.0).unwrap().into();
+    let both = render(&scene, Settings { size: [2, 1], filter: PIXEL, ..small(4096) });
+    for (i, metallic) in [(0, 1.0), (1, 0.0)] {
+        let (expected, found) = (plain(metallic).rgb().unwrap()[0], both.rgb().unwrap()[i]);
+        for c in 0..3 {
+            assert!((expected[c] - found[c]).abs() < 0.02, "{metallic}: {expected:?} {found:?}");
+        }
     }
 }
