@@ -5,9 +5,8 @@
 //!
 //! | in the file, the first line that fits        | here                        |
 //! |----------------------------------------------|-----------------------------|
-//! | `d` below 1, or `illum` 4, 6, 7, 9           | dielectric of index `Ni` (1.5 where absent or up to 1), coloured `Tf` after 1 m, rough by `Pr` |
-//! | `Pm` above 0                                 | metal of colour `Kd`, rough by `Pr`, over matte `Kd` |
-//! | `Pr`                                         | a gloss of Fresnel's part, rough by `Pr`, over matte `Kd` |
+//! | `d` below 1, or `illum` 4, 6, 7, 9           | dielectric of index `Ni` (1.5 where absent or up to 1), coloured `Tf` after 1 m, rough by `Pr`; principled if `Pc`, `Ps` or `aniso` is not 0 |
+//! | `Pr`, or one of `Pm`, `Pc`, `Ps`, `aniso` that is not 0 | principled: base `Kd`, metal `Pm`, rough by `Pr` (0.5 where absent), index `Ni`, coat `Pc` rough by `Pcr`, sheen `Ps`, `aniso` turned by `anisor` |
 //! | `illum` 5                                    | a mirror of `Ks` over matte `Kd` |
 //! | `illum` 3 or 8                               | the same, rough by `Ns` if that is given |
 //! | `Ks` and `Ns`, but for `illum` 0 and 1       | a gloss of `Ks`, rough by `Ns`, over matte `Kd` |
@@ -25,7 +24,7 @@
 //! rough surface is √(2 / (Ns + 2)), and `roughness` the square root of that.
 //! `illum 4` alone is not believed where `Kd` is not dark, `d` is 1 and `Ni` is
 //! absent or up to 1: a widespread exporter writes so for every matte surface.
-//! Other textures, sheen, clear coats and anisotropy are left out, with a note.
+//! Other textures are left out, with a note.
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995;
 //! `Pr`, `Pm` and so on: Exocortex, *Extending Wavefront MTL to Support PBR*.
@@ -42,6 +41,7 @@ use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
+    Principled, PrincipledTextures,
 };
 use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, TextureId};
 use rutilant::texture::{ColorInput, ImageTexture, UvMapping, Wrap};
@@ -117,6 +117,18 @@ struct Written {
     pr: Option<f32>,
     pm: Option<f32>,
     map_kd: Option<TextureId>,
+    ps: f32,
+    pc: f32,
+    pcr: f32,
+    aniso: f32,
+    anisor: f32,
+}
+
+impl Written {
+    /// True where there are layers that only a principled material has.
+    fn is_layered(&self) -> bool {
+        self.ps != 0.0 || self.pc != 0.0 || self.aniso != 0.0
+    }
 }
 
 struct Parser<'a> {
@@ -225,15 +237,14 @@ impl<'a> Parser<'a> {
             b"Ns" => material.ns = Some(self.number(keyword)?),
             b"Pr" => material.pr = Some(self.number(keyword)?),
             b"Pm" => material.pm = Some(self.number(keyword)?),
-            // Exporters write these for every material; nought of them is nothing left out.
-            b"Ps" | b"Pc" | b"aniso" => {
-                if self.number(keyword)? != 0.0 {
-                    self.leave_out(keyword, at);
-                }
-            }
+            b"Ps" => material.ps = self.number(keyword)?,
+            b"Pc" => material.pc = self.number(keyword)?,
+            b"Pcr" => material.pcr = self.number(keyword)?,
+            b"aniso" => material.aniso = self.number(keyword)?,
+            b"anisor" => material.anisor = self.number(keyword)?,
             // Ambient light is what a path tracer computes; sharpness is of reflection maps; the
             // others say how those above are, and `map_aat` how textures are smoothed.
-            b"Ka" | b"sharpness" | b"Pcr" | b"anisor" | b"map_aat" => {}
+            b"Ka" | b"sharpness" | b"map_aat" => {}
             b"map_Kd" => material.map_kd = self.picture(at).or(material.map_kd),
             _ if is_texture(keyword) => self.texture(keyword, at),
             _ => self.leave_out(keyword, at),
@@ -400,7 +411,26 @@ impl<'a> Parser<'a> {
             self.note(at, &format!("material {shown}: illum 4 without d or Ni is taken as matte"));
         }
         let kind = if clear {
-            Surface::Plain(MaterialKind::Dielectric(self.dielectric(&written, &shown)))
+            let glass = self.dielectric(&written, &shown);
+            Surface::Plain(if written.is_layered() {
+                let layers = self.layers(&written, &shown);
+                MaterialKind::Principled(Box::new(Principled {
+                    base_color: Rgb::WHITE,
+                    // What is too dense to be rough is smooth.
+                    anisotropy: if glass.interior.ior > LARGEST_ROUGH_IOR {
+                        0.0
+                    } else {
+                        layers.anisotropy
+                    },
+                    roughness: glass.roughness,
+                    ior: glass.interior.ior,
+                    transmission: 1.0,
+                    absorption: glass.interior.absorption,
+                    ..layers
+                }))
+            } else {
+                MaterialKind::Dielectric(glass)
+            })
         } else {
             self.opaque(&written, dark_kd, &shown)
         };
@@ -433,25 +463,18 @@ impl<'a> Parser<'a> {
         }
         let albedo = self.clamped("Kd", kd, 0.0, 1.0, at, shown);
         let albedo = ColorInput { texture: written.map_kd, ..albedo.into() };
-        let rough = written.pr.map(|pr| self.in_unit("Pr", pr, at, shown));
-        let metal = written.pm.map_or(0.0, |pm| self.in_unit("Pm", pm, at, shown));
         let below = || MaterialKind::Matte(Matte::new(albedo));
 
         // The physically based additions say it in their own words.
-        if metal > 0.0 {
-            let gloss = gloss(albedo.factor, rough.unwrap_or(DEFAULT_ROUGHNESS));
-            return match metal < 1.0 {
-                true => Surface::Over { below: below(), gloss, share: metal },
-                false => Surface::Plain(gloss),
-            };
+        if written.pr.is_some() || written.pm.is_some_and(|pm| pm != 0.0) || written.is_layered() {
+            let textures =
+                PrincipledTextures { base_color: written.map_kd, ..PrincipledTextures::default() };
+            let base_color = albedo.factor;
+            let layers = Principled { base_color, textures, ..self.layers(written, shown) };
+            return Surface::Plain(MaterialKind::Principled(Box::new(layers)));
         }
         let fresnel = |ni: f32| ((ni - 1.0) / (ni + 1.0)) * ((ni - 1.0) / (ni + 1.0));
         let refracting = written.ni.filter(|ni| *ni > 1.0).map(|ni| ni.min(LARGEST_IOR));
-        if let Some(rough) = rough {
-            let share = fresnel(refracting.unwrap_or(DEFAULT_IOR));
-            return over(albedo, Rgb::grey(share), rough);
-        }
-
         let Some(ks) = written.ks else { return Surface::Plain(below()) };
         let ks = self.clamped("Ks", ks, 0.0, 1.0, at, shown);
         let width = written.ns.map(|ns| {
@@ -468,6 +491,24 @@ impl<'a> Parser<'a> {
             over(albedo, Rgb(ks.0.map(|c| c * part)), width)
         } else {
             Surface::Plain(below())
+        }
+    }
+
+    /// The layers that the physically based additions say, over a base that is still to be told.
+    fn layers(&mut self, written: &Written, shown: &str) -> Principled {
+        let mut unit = |keyword, number| self.in_unit(keyword, number, written.at, shown);
+        let coat = unit("Pc", written.pc);
+        Principled {
+            metallic: unit("Pm", written.pm.unwrap_or(0.0)),
+            roughness: unit("Pr", written.pr.unwrap_or(DEFAULT_ROUGHNESS)),
+            ior: written.ni.filter(|ni| *ni > 1.0).map_or(DEFAULT_IOR, |ni| ni.min(LARGEST_IOR)),
+            coat,
+            coat_roughness: if coat > 0.0 { unit("Pcr", written.pcr) } else { 0.0 },
+            sheen_color: Rgb::grey(unit("Ps", written.ps)),
+            anisotropy: unit("aniso", written.aniso),
+            // In turns.
+            anisotropy_rotation: (360.0 * written.anisor.rem_euclid(1.0)).to_radians(),
+            ..Principled::default()
         }
     }
 
@@ -610,7 +651,7 @@ fn brightest(color: Rgb) -> f32 {
     color.0.into_iter().fold(0.0, f32::max)
 }
 
-/// The roughness of a metal that states none.
+/// The roughness of a principled material that states none.
 const DEFAULT_ROUGHNESS: f32 = 0.5;
 
 /// Whether a statement names a texture.

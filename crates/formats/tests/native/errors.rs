@@ -246,7 +246,25 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"thin-dielectric\"\nsigma_a = 1",
-        r#"11:1: no key "sigma_a" in a thin dielectric, only in a dielectric"#,
+        r#"11:1: no key "sigma_a" in a thin dielectric, only in a dielectric or a principled material"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"principled\"\ncoat_roughness = 2",
+        "11:18: coat_roughness is 2, but must lie between 0 and 1",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"principled\"\nclearcoat = 1",
+        r#"11:1: no key "clearcoat" in a principled material"#,
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"principled\"\ntransmission = 1\nior = 3",
+        "8:1: roughness is 0.3, but where light goes through a body of ior 3 it must be 0, and so \
+         must anisotropy: up to 2.5 glass may be rough",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"principled\"\npriority = 1",
+        "11:12: a priority is for bodies that light goes through: transmission must be more than \
+         0, metallic less than 1, and thin_walled false",
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"null\"\nalbedo = 1",

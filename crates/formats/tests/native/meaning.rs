@@ -8,7 +8,7 @@ use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::light::{EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
-    Absorption, EmittedLight, HemisphereSampling, MaterialKind, Matte, Metal,
+    Absorption, EmittedLight, HemisphereSampling, MaterialKind, Matte, Metal, Principled,
 };
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{
@@ -485,4 +485,62 @@ fn notes_lead_to_their_lines() {
     let said: Vec<_> = notes.map(|note| loaded.locate(note, "scene.toml".as_ref())).collect();
     assert!(said[0].starts_with("scene.toml:12: a lamp of 3.142e-60 m²"), "{said:?}");
     assert!(said[1].starts_with("scene.toml: nothing gives light"), "{said:?}");
+}
+
+/// Every key of a principled material arrives where it belongs, and those that are not there mean
+/// what the documentation says.
+#[test]
+fn principled_materials_mean_what_they_say() {
+    let material = |keys: &str| {
+        let text = format!("[[material]]\nname = \"a\"\ntype = \"principled\"\n{keys}\n");
+        let MaterialKind::Principled(p) = read(&text).scene.materials[0].kind.clone() else {
+            panic!("{text}")
+        };
+        *p
+    };
+    assert_eq!(material(""), Principled::default());
+    let expected = Principled {
+        base_color: Rgb([0.1, 0.2, 0.3]),
+        metallic: 0.11,
+        roughness: 0.12,
+        diffuse_roughness: 0.13,
+        anisotropy: 0.14,
+        anisotropy_rotation: 30_f32.to_radians(),
+        specular: 0.15,
+        specular_color: Rgb::grey(0.16),
+        ior: 1.7,
+        transmission: 0.18,
+        thin_walled: true,
+        diffuse_transmission: 0.19,
+        diffuse_transmission_color: Rgb::grey(0.2),
+        absorption: Absorption::ColorAtDistance { color: Rgb::grey(0.21), distance: 2.0 },
+        priority: None,
+        coat: 0.22,
+        coat_color: Rgb::grey(0.23),
+        coat_roughness: 0.24,
+        coat_ior: 1.25,
+        sheen_color: Rgb::grey(0.26),
+        sheen_roughness: 0.27,
+        iridescence: 0.28,
+        iridescence_ior: 1.29,
+        iridescence_thickness_nm: 300.0,
+    };
+    let all = "base_color = [0.1, 0.2, 0.3]\nmetallic = 0.11\nroughness = 0.12\n\
+               diffuse_roughness = 0.13\nanisotropy = 0.14\nanisotropy_rotation_degrees = 30\n\
+               specular = 0.15\nspecular_color = 0.16\nior = 1.7\ntransmission = 0.18\n\
+               thin_walled = true\ndiffuse_transmission = 0.19\n\
+               diffuse_transmission_color = 0.2\nabsorption_color = 0.21\n\
+               absorption_distance = 2\ncoat = 0.22\ncoat_color = 0.23\ncoat_roughness = 0.24\n\
+               coat_ior = 1.25\nsheen_color = 0.26\nsheen_roughness = 0.27\niridescence = 0.28\n\
+               iridescence_ior = 1.29\niridescence_thickness_nm = 300";
+    assert_eq!(material(all), expected);
+    assert_eq!(material("transmission = 1\npriority = 3").priority, Some(3));
+
+    // A lamp's strength is a factor.
+    let lamp = read(
+        "[[material]]\nname = \"a\"\ntype = \"principled\"\n\
+         emission = { radiance = [1, 2, 3], strength = 2 }\n",
+    );
+    let light = lamp.scene.materials[0].emission.map(|e| e.light);
+    assert_eq!(light, Some(EmittedLight::Radiance(Rgb([2.0, 4.0, 6.0]))));
 }
