@@ -24,7 +24,8 @@ pub(crate) struct Reading {
     /// Let the scene name files outside its own folder
     #[arg(long, help_heading = READING)]
     pub allow_path: bool,
-    /// Refuse scenes whose textures are missing or broken, instead of showing them in magenta
+    /// Refuse textures that are missing or broken, which are magenta else; fail where samples were
+    /// no numbers
     #[arg(long, help_heading = READING)]
     pub strict: bool,
     /// Show the materials of this variant (glTF)

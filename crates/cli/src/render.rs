@@ -113,9 +113,6 @@ pub(crate) struct Args {
     /// Say nothing but results and errors
     #[arg(short, long, help_heading = RUNNING)]
     quiet: bool,
-    /// Fail when a sample had to be dropped because it was not a number
-    #[arg(long, help_heading = RUNNING)]
-    strict: bool,
     /// Print the result as one line of JSON
     #[arg(long, help_heading = RUNNING)]
     json: bool,
@@ -281,7 +278,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     } else {
         print_line(&format!("hash {}", outcome.hash))?;
     }
-    if args.strict && outcome.dropped > 0 {
+    if args.reading.strict && outcome.dropped > 0 {
         return Err(Failure::failed(format!(
             "{} dropped, and --strict allows none",
             several(outcome.dropped, "sample was", "samples were")

@@ -5,3 +5,4 @@ mod errors;
 mod meaning;
 mod poses;
 mod real;
+mod scenes;
