@@ -11,7 +11,7 @@
 
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
-use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::geom::{Transform, Vec2, Vec3, real};
 use rutilant::light::{EmitterSelection, Light, SpotLight};
 use rutilant::material::{Emission, EmittedLight, Matte};
 use rutilant::scene::Scene;
@@ -39,7 +39,7 @@ impl Random {
 
     /// As often in each octave from 1 to 1000.
     fn octaves(&mut self) -> f32 {
-        1000.0_f32.powf(self.unit())
+        real::pow(1000.0, self.unit())
     }
 }
 
@@ -245,8 +245,9 @@ fn build(triangles: u32) {
         for j in 0..2 * rings {
             let (theta, phi) = (PI * i as f32 / rings as f32, PI * j as f32 / rings as f32);
             let radius = random.between(0.9, 1.1);
-            let (sin, cos) = theta.sin_cos();
-            mesh.positions.push(radius * Vec3::new(sin * phi.cos(), cos, sin * phi.sin()));
+            let (sin, cos) = real::sin_cos(theta);
+            mesh.positions
+                .push(radius * Vec3::new(sin * real::cos(phi), cos, sin * real::sin(phi)));
         }
     }
     for i in 0..rings {
@@ -284,7 +285,7 @@ fn main() {
     match arguments.first().map(String::as_str) {
         Some("build") => build(number(1, 1e6) as u32),
         Some("few") => {
-            compare(&room(number(1, 4.0) as u32), number(2, 5.0), number(3, 2.0) as u32, 256)
+            compare(&room(number(1, 4.0) as u32), number(2, 5.0), number(3, 2.0) as u32, 256);
         }
         _ => compare(
             &city(number(0, 1e4) as u32),
