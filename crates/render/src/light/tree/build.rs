@@ -338,7 +338,7 @@ impl Bin {
 const BINS: usize = 12;
 
 /// So many emitters, or up to twice as many, tell where to split.
-const SAMPLE: usize = 4096;
+const SAMPLE: usize = 512;
 
 /// Moves emitters so that one side of a plane comes before the other. Returns where the other
 /// begins, with something on both sides, and the costs of both.
