@@ -6,7 +6,7 @@ use common::random;
 use rutilant::Prepared;
 use rutilant::camera::Perspective;
 use rutilant::color::Rgb;
-use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::geom::{Transform, Vec2, Vec3, real};
 use rutilant::light::{Emitter, EmitterSelection, Environment, Light, ShadingPoint, SpotLight};
 use rutilant::material::Emission;
 use rutilant::scene::Scene;
@@ -37,7 +37,7 @@ fn lamps(count: u64, size: f32, decades: f32) -> Scene {
         let position = size * Vec3::new(2.0 * x - 1.0, y, 2.0 * z - 1.0);
         let axis = Vec3::new(a - 0.5, b - 0.5, c - 0.5 + 1e-3).normalize();
         let light = Rgb::new(1.0, 0.9, 0.7);
-        let light = Rgb(light.0.map(|l| l * 10.0_f32.powf(decades * (bright - 0.5))));
+        let light = Rgb(light.0.map(|l| l * real::pow(10.0, decades * (bright - 0.5))));
         // Surfaces as bright as points of these intensities.
         let radiance = Rgb(light.0.map(|l| l * 50.0 / (size * size)));
         let glow = Emission { two_sided: i % 3 == 0, ..Emission::radiance(radiance) };
@@ -174,9 +174,9 @@ fn no_lamp_that_lights_a_point_is_overlooked() {
     }
 }
 
-/// A million lamps of one radiance but one that is 10³⁶ times as dim, all in one place or along a
-/// line in ever larger steps: every one can be chosen, and where all can be, all are found by numbers
-/// that stand for them. No tree is too deep for its ways, and no number too coarse.
+/// Lamps of one brightness but one that is 10³⁶ times as dim, all in one place, along a line, or
+/// along a line in ever larger steps: every one can be chosen, the dim one by the numbers that stand
+/// for it. No tree is too deep for its ways, and no number too coarse.
 #[test]
 fn every_lamp_can_be_chosen() {
     let crowd = |position: &dyn Fn(u32) -> f32, count: u32| {
@@ -192,7 +192,7 @@ fn every_lamp_can_be_chosen() {
         crowd(&|_| 3.0, 1000),
         crowd(&|i| i as f32, 100_000),
         // Each group that is split leaves one lamp behind.
-        crowd(&|i| 1.9_f32.powi(i as i32 % 100), 100_000),
+        crowd(&|i| real::pow(1.9, (i % 100) as f32), 100_000),
     ] {
         let (emitters, selection) = (scene.emitters(), tree(scene.emitters()));
         let count = emitters.len();
@@ -266,4 +266,28 @@ fn the_tree_knows_what_lamps_bring() {
     let [tree, power] = [LightSelection::Tree, LightSelection::Power].map(spread);
     println!("the tree {tree:.2}, by power {power:.2}");
     assert!(tree < 0.75 && power > 1.7, "{tree} {power}");
+}
+
+/// The tree of enough lamps for several threads is the same for any number of them.
+#[test]
+fn any_number_of_threads_builds_the_same_tree() {
+    let mut scene = empty();
+    for i in 0..40_000 {
+        let [x, y, z, bright, ..] = eight(53, i);
+        let position = Vec3::new(x, y * y, z);
+        scene.lights.push(Light::Point { position, intensity: Rgb::grey(0.1 + bright) });
+    }
+    let scene = Prepared::new(&scene).unwrap();
+    let built = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let selection = pool.install(|| tree(scene.emitters()));
+        let point = ShadingPoint { position: Vec3::splat(0.4), normal: Vec3::Y };
+        let pmf = |i| selection.pmf(&point, i).to_bits();
+        (0..scene.emitters().len()).map(pmf).collect::<Vec<u32>>()
+    };
+    let one = built(1);
+    assert!((0..40_000).any(|i| one[i] != one[0]));
+    for threads in [2, 7] {
+        assert!(built(threads) == one, "{threads} threads");
+    }
 }

@@ -39,7 +39,7 @@ impl EmitterBounds {
     }
 
     /// The same lamp shining from its back as well, if it does.
-    pub(super) fn from_both(self, two_sided: bool) -> Self {
+    pub(super) fn shining_back(self, two_sided: bool) -> Self {
         Self { two_sided, mean: if two_sided { 2.0 * self.mean } else { self.mean }, ..self }
     }
 

@@ -41,7 +41,7 @@ impl DiskEmitter {
         let reach = (u * u + v * v).map(f64::sqrt);
         let intensity = self.glow.intensity(f64::from(self.area));
         EmitterBounds::flat(center - reach, center + reach, self.normal, intensity)
-            .from_both(self.glow.two_sided)
+            .shining_back(self.glow.two_sided)
     }
 
     pub(super) fn point(&self, u: Vec2) -> LampPoint {

@@ -146,7 +146,7 @@ impl FlatEmitter {
         let fourth = if self.is_triangle { a } else { b + c - a };
         let (low, high) = (a.min(b).min(c).min(fourth), a.max(b).max(c).max(fourth));
         let intensity = self.glow.intensity(f64::from(self.area));
-        EmitterBounds::flat(low, high, self.normal, intensity).from_both(self.glow.two_sided)
+        EmitterBounds::flat(low, high, self.normal, intensity).shining_back(self.glow.two_sided)
     }
 
     pub(super) fn point(&self, u: Vec2) -> LampPoint {

@@ -5,7 +5,8 @@
 //! intensity, times the square of its size, times how many directions it shines in.
 //!
 //! Emitters are moved into their places in one array; the numbers of nodes follow from depth-first
-//! order. Nothing depends on threads: there is one.
+//! order. Groups of the root of a large tree are built at the same time, each apart from the others,
+//! so that nothing depends on threads.
 //!
 //! Source: Conty Estevez, Kulla, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", HPG 2018, section 4.4, whose cone of normals is here their mean direction: it is a
@@ -14,6 +15,7 @@
 
 use super::super::bounds::EmitterBounds;
 use super::node::{Child, Group, Node, WIDTH};
+use rayon::prelude::*;
 use rutilant_geom::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -30,6 +32,8 @@ pub(super) struct Item {
     mean: f32,
     number: u32,
     two_sided: bool,
+    /// From the root, as in [`Built`], once it is known.
+    way: u64,
 }
 
 impl Item {
@@ -55,7 +59,12 @@ impl Item {
             mean: bounds.mean,
             number,
             two_sided: bounds.two_sided,
+            way: 0,
         }
+    }
+
+    pub(super) fn number(&self) -> u32 {
+        self.number
     }
 
     fn center(&self) -> Vec3 {
@@ -102,41 +111,90 @@ struct Cluster {
 /// 64 bits: each level then takes three bits off the number.
 const HALVED_FROM: u32 = 9;
 
-/// Builds the tree of some emitters; `count` is one more than the largest number.
-pub(super) fn build(items: &mut [Item], count: usize) -> Built {
-    let mut built = Built { nodes: Vec::with_capacity(items.len() / 4), ways: vec![0; count] };
-    let mut tasks = vec![Task { items: 0..items.len(), depth: 0, way: 0, above: None }];
-    while let Some(Task { items: all, depth, way, above }) = tasks.pop() {
-        let clusters = eight_of(items, all, depth < HALVED_FROM);
-        let number = built.nodes.len();
-        if let Some((node, i)) = above {
-            built.nodes[node].set_child(i, Child::Node(number as u32));
-        }
-        let mut node = Node::EMPTY;
-        let totals = clusters.iter().map(|c| total_of(&items[c.items.clone()]));
-        let totals: Vec<f64> = totals.collect();
-        let largest = totals.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        for (i, (Cluster { items: some, .. }, total)) in
-            clusters.into_iter().zip(totals).enumerate()
-        {
-            node.set(i, &group_of(&items[some.clone()], total / largest));
-            let way = way | (i as u64) << (3 * depth);
-            match &items[some.clone()] {
-                [alone] => {
-                    node.set_child(i, Child::Emitter(alone.number));
-                    built.ways[alone.number as usize] = way;
-                }
-                _ => tasks.push(Task {
-                    items: some,
-                    depth: depth + 1,
-                    way,
-                    above: Some((number, i)),
-                }),
-            }
-        }
-        built.nodes.push(node);
+/// From so many emitters on the groups of the root are built at the same time.
+const TOGETHER_FROM: usize = 1 << 15;
+
+/// Builds the tree of some of `count` emitters; the way to all others is `nowhere`. Runs on the
+/// current rayon thread pool.
+pub(super) fn build(items: &mut [Item], count: usize, nowhere: u64) -> Built {
+    let root = Task { items: 0..items.len(), depth: 0, way: 0, above: None };
+    let nodes = if items.len() < TOGETHER_FROM { grow(items, root) } else { grow_all(items, root) };
+    let mut ways = vec![nowhere; count];
+    for item in items {
+        ways[item.number as usize] = item.way;
     }
-    built
+    Built { nodes, ways }
+}
+
+/// Makes the root here, and all else for each of its groups apart.
+fn grow_all(items: &mut [Item], root: Task) -> Vec<Node> {
+    let (mut node, tasks) = node_of(items, root, 0);
+    let mut rest = items;
+    let mut parts = Vec::with_capacity(WIDTH);
+    let mut start = 0;
+    // In the order of the emitters.
+    let mut tasks = tasks;
+    tasks.sort_unstable_by_key(|task| task.items.start);
+    for task in tasks {
+        let (_, from) = std::mem::take(&mut rest).split_at_mut(task.items.start - start);
+        let (own, after) = from.split_at_mut(task.items.len());
+        (rest, start) = (after, task.items.end);
+        parts.push((own, task));
+    }
+    let grown: Vec<(usize, Vec<Node>)> = parts
+        .into_par_iter()
+        .map(|(own, Task { depth, way, above, .. })| {
+            let place = above.map_or(0, |(_, i)| i);
+            (place, grow(own, Task { items: 0..own.len(), depth, way, above: None }))
+        })
+        .collect();
+    let mut offset = 1;
+    for (place, nodes) in &grown {
+        node.set_child(*place, Child::Node(offset as u32));
+        offset += nodes.len();
+    }
+    let mut all = Vec::with_capacity(offset);
+    all.push(node);
+    for (_, nodes) in grown {
+        let offset = all.len() as u32;
+        all.extend(nodes.into_iter().map(|node| node.moved(offset)));
+    }
+    all
+}
+
+/// Makes a node and everything below it, and tells each emitter its way.
+fn grow(items: &mut [Item], top: Task) -> Vec<Node> {
+    let (mut nodes, mut tasks) = (Vec::<Node>::with_capacity(items.len() / 4), vec![top]);
+    while let Some(task) = tasks.pop() {
+        let number = nodes.len();
+        if let Some((above, i)) = task.above {
+            nodes[above].set_child(i, Child::Node(number as u32));
+        }
+        let (node, below) = node_of(items, task, number);
+        nodes.push(node);
+        tasks.extend(below);
+    }
+    nodes
+}
+
+/// Makes one node of this number. What is below it is still to be made.
+fn node_of(items: &mut [Item], task: Task, number: usize) -> (Node, Vec<Task>) {
+    let Task { items: all, depth, way, .. } = task;
+    let (mut node, mut below) = (Node::EMPTY, Vec::new());
+    let clusters = eight_of(items, all, depth < HALVED_FROM);
+    let totals: Vec<f64> = clusters.iter().map(|c| total_of(&items[c.items.clone()])).collect();
+    let largest = totals.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    for (i, (Cluster { items: some, .. }, total)) in clusters.into_iter().zip(totals).enumerate() {
+        node.set(i, &group_of(&items[some.clone()], total / largest));
+        let way = way | (i as u64) << (3 * depth);
+        if let [alone] = &mut items[some.clone()] {
+            node.set_child(i, Child::Emitter(alone.number));
+            alone.way = way;
+        } else {
+            below.push(Task { items: some, depth: depth + 1, way, above: Some((number, i)) });
+        }
+    }
+    (node, below)
 }
 
 /// Splits emitters into up to eight groups. Those that fit into one node stay together, or go each
@@ -280,7 +338,7 @@ impl Bin {
 const BINS: usize = 12;
 
 /// So many emitters, or up to twice as many, tell where to split.
-const SAMPLE: usize = 4096;
+const SAMPLE: usize = 512;
 
 /// Moves emitters so that one side of a plane comes before the other. Returns where the other
 /// begins, with something on both sides, and the costs of both.

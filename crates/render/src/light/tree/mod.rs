@@ -65,13 +65,8 @@ impl LightTree {
         let scale = if radius > 0.0 { 1.0 / radius } else { 1.0 };
         let mut items = Vec::with_capacity(count);
         items.extend(bounds().map(|(i, b)| Item::new(i, &b, origin, scale, brightest)));
-        let Built { nodes, ways: known } = build::build(&mut items, emitters.len());
-        let mut numbers: Vec<u32> = bounds().map(|(i, _)| i).collect();
-        numbers.sort_unstable();
-        let mut ways = vec![Self::NOWHERE; emitters.len()];
-        for &number in &numbers {
-            ways[number as usize] = known[number as usize];
-        }
+        let numbers = items.iter().map(Item::number).collect();
+        let Built { nodes, ways } = build::build(&mut items, emitters.len(), Self::NOWHERE);
         Some(Self { nodes, ways, numbers, origin, scale })
     }
 

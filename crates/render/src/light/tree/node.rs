@@ -132,6 +132,16 @@ impl Node {
         self.children[i] = child.packed();
     }
 
+    /// The same node where all nodes below it have numbers that are larger by `offset`.
+    pub(super) fn moved(mut self, offset: u32) -> Self {
+        for i in 0..WIDTH {
+            if let Child::Node(number) = self.child(i) {
+                self.set_child(i, Child::Node(number + offset));
+            }
+        }
+        self
+    }
+
     #[inline]
     pub(super) fn child(&self, i: usize) -> Child {
         Child::unpacked(self.children[i])
@@ -185,7 +195,7 @@ impl Node {
             let [nx, ny, nz] = seer.normal.to_array().map(|n| f32x8::splat(simd, -n));
             let height = nx * way.x + ny * way.y + nz * way.z;
             let reach = nx.abs() * half.x + ny.abs() * half.y + nz.abs() * half.z;
-            light = light * (mean_height(height, reach) * per_length).min(one);
+            light *= (mean_height(height, reach) * per_length).min(one);
         }
 
         let each: [f32; WIDTH] = light.into();
