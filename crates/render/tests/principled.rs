@@ -139,7 +139,7 @@ fn any_surface(k: u64) -> PrincipledParameters {
     let mut color = || Spectrum::from([part(), part(), part()].map(|c| 0.1 + 0.9 * c));
     let (base_color, specular_color, diffuse_transmission_color) = (color(), color(), color());
     let (coat_color, sheen_color) = (color(), color());
-    let its = PrincipledParameters {
+    PrincipledParameters {
         base_color,
         specular_color,
         diffuse_transmission_color,
@@ -162,8 +162,7 @@ fn any_surface(k: u64) -> PrincipledParameters {
         iridescence: part(),
         iridescence_ior: 1.0 + part(),
         iridescence_thickness_nm: 1000.0 * part(),
-    };
-    its
+    }
 }
 
 /// How many surfaces are to be looked at, if more than usual.

@@ -436,7 +436,7 @@ impl Principled {
     /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Without what goes into single directions.
     #[inline(never)]
     pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
-        let (wo, wi) = (self.to_tangent(wo, wo), self.to_tangent(wi, wo));
+        let (wo, wi) = (self.turned(wo, wo), self.turned(wi, wo));
         if wo.z == 0.0 || wi.z == 0.0 {
             return (Spectrum::BLACK, 0.0);
         }
@@ -447,13 +447,13 @@ impl Principled {
     /// where nothing is scattered.
     #[inline(never)]
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        let local = self.to_tangent(wo, wo);
+        let local = self.turned(wo, wo);
         if local.z == 0.0 {
             return None;
         }
         let view = self.view(local);
         let sample = self.draw(&view, local, choice, u)?;
-        Some(BsdfSample { wi: self.from_tangent(sample.wi, wo), ..sample })
+        Some(BsdfSample { wi: self.turned_back(sample.wi, wo), ..sample })
     }
 
     fn draw(&self, view: &View, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
@@ -949,13 +949,13 @@ impl Principled {
 
     /// A direction in the frame of the tangent, on the side where the layers are if it has no
     /// inside; `wo` says from where the surface is seen.
-    fn to_tangent(&self, w: Vec3, wo: Vec3) -> Vec3 {
+    fn turned(&self, w: Vec3, wo: Vec3) -> Vec3 {
         let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
         self.tangent.map_or(w, |t| Vec3::new(t.x * w.x + t.y * w.y, t.x * w.y - t.y * w.x, w.z))
     }
 
     /// The way back.
-    fn from_tangent(&self, w: Vec3, wo: Vec3) -> Vec3 {
+    fn turned_back(&self, w: Vec3, wo: Vec3) -> Vec3 {
         let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
         self.tangent.map_or(w, |t| Vec3::new(t.x * w.x - t.y * w.y, t.x * w.y + t.y * w.x, w.z))
     }
