@@ -109,7 +109,7 @@ fn brushed_glass_makes_no_light() {
                 PrincipledParameters { roughness, anisotropy, transmission: 1.0, ..white() };
             for wo in directions(&[0.0, 45.0, 70.0, 85.0, 89.0, 110.0, 150.0]) {
                 let (mean, error) = furnace(&Bsdf::from(glass), wo, 1 << 13, well_spread);
-                let least = if anisotropy < 0.5 { 0.94 } else { 0.77 };
+                let least = if anisotropy < 0.5 { 0.9 } else { 0.68 };
                 assert!(
                     mean[0] < 1.0 + 3.0 * error[0] && mean[0] > least - 3.0 * error[0],
                     "{roughness} {anisotropy} at {wo}: {mean:?} ± {error:?}"
@@ -176,7 +176,7 @@ fn wanted_sets() -> Option<u64> {
 #[test]
 fn no_surface_makes_light() {
     let sets = wanted_sets().unwrap_or(24);
-    let (mut looks, mut second_looks, mut most) = (0, 0, 0.0_f64);
+    let (mut looks, mut second_looks, mut wrong) = (0, 0, Vec::new());
     for k in 0..sets {
         let parameters = any_surface(k);
         let bsdf = Bsdf::from(parameters);
@@ -191,12 +191,14 @@ fn no_surface_makes_light() {
             if above(2 * k, 1 << 13).is_some() {
                 second_looks += 1;
                 let mean = above(2 * k + 1, 1 << 17);
-                most = most.max(mean.unwrap_or(0.0));
-                assert!(mean.is_none(), "{mean:?} at {wo}, set {k}: {parameters:?}");
+                if let Some(mean) = mean {
+                    wrong.push(format!("{mean} at {wo}, set {k}: {parameters:?}"));
+                }
             }
         }
     }
     println!("{sets} sets, {looks} looks, {second_looks} of them twice");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Samples of layers follow their density, from all sides; deltas are left out.

@@ -357,9 +357,12 @@ impl Principled {
         // The border that light crosses.
         let ratio = its.eta.max(1.0 / its.eta);
         if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
-            // Stretched facets give back a little less than they lose: what is lost is not known
-            // well enough for more, and no light may be made.
-            let more = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
+            // Where facets are stretched, or reflect otherwise than Fresnel's equations say, what is
+            // lost is not known so well: they give back less, so that no light is made.
+            let is_plain =
+                film.is_none() && its.specular == 1.0 && its.specular_color == Spectrum::WHITE;
+            let stretch = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
+            let more = if is_plain { stretch } else { 1.3 * stretch };
             layers.border = Some(Glass::new(its.eta, steepness, more));
         }
         layers
@@ -813,11 +816,12 @@ impl Principled {
         let Some(film) = &self.film else { return [normal, self.its.specular] };
         let grazing = self.its.specular + (1.0 - self.its.specular) * film.strength;
         let eta = self.its.eta.max(1.0 / self.its.eta);
-        let normal = cosines().fold(0.0_f32, |most, cos| {
+        let towards_grazing = [0.01, 0.03, 0.06, 0.1, 0.15];
+        let normal = cosines().chain(towards_grazing).fold(0.0_f32, |most, cos| {
             let (reflected, _) = Fresnel::Exact.dielectric(cos, eta);
             let rise = Rise::of_smooth(reflected, eta);
             let here = self.gloss_of(reflected, cos).max_channel();
-            if rise < 0.9 { most.max((here - rise * grazing) / (1.0 - rise)) } else { most }
+            if rise < 0.98 { most.max((here - rise * grazing) / (1.0 - rise)) } else { most }
         });
         [normal.clamp(0.0, 1.0), grazing]
     }
@@ -1021,7 +1025,8 @@ impl Facets {
         let roughness = stretched.equal_alpha(w).sqrt();
         let usual = Loss::metal(roughness).at(mu);
         let lost = Loss::glass(roughness, side.eta).at(mu);
-        if usual > 0.0 { (lost * stretched.at(w) / usual).min(1.0) } else { lost }
+        let metal = stretched.at(w);
+        if usual > 0.0 { (lost / usual).min(1.0) * metal } else { lost }
     }
 }
 
