@@ -109,7 +109,7 @@ fn brushed_glass_makes_no_light() {
                 PrincipledParameters { roughness, anisotropy, transmission: 1.0, ..white() };
             for wo in directions(&[0.0, 45.0, 70.0, 85.0, 89.0, 110.0, 150.0]) {
                 let (mean, error) = furnace(&Bsdf::from(glass), wo, 1 << 13, well_spread);
-                let least = if anisotropy < 0.5 { 0.94 } else { 0.77 };
+                let least = if anisotropy < 0.5 { 0.9 } else { 0.68 };
                 assert!(
                     mean[0] < 1.0 + 3.0 * error[0] && mean[0] > least - 3.0 * error[0],
                     "{roughness} {anisotropy} at {wo}: {mean:?} ± {error:?}"
@@ -139,7 +139,7 @@ fn any_surface(k: u64) -> PrincipledParameters {
     let mut color = || Spectrum::from([part(), part(), part()].map(|c| 0.1 + 0.9 * c));
     let (base_color, specular_color, diffuse_transmission_color) = (color(), color(), color());
     let (coat_color, sheen_color) = (color(), color());
-    let its = PrincipledParameters {
+    PrincipledParameters {
         base_color,
         specular_color,
         diffuse_transmission_color,
@@ -162,8 +162,7 @@ fn any_surface(k: u64) -> PrincipledParameters {
         iridescence: part(),
         iridescence_ior: 1.0 + part(),
         iridescence_thickness_nm: 1000.0 * part(),
-    };
-    its
+    }
 }
 
 /// How many surfaces are to be looked at, if more than usual.
@@ -177,7 +176,7 @@ fn wanted_sets() -> Option<u64> {
 #[test]
 fn no_surface_makes_light() {
     let sets = wanted_sets().unwrap_or(24);
-    let (mut looks, mut second_looks, mut most) = (0, 0, 0.0_f64);
+    let (mut looks, mut second_looks, mut wrong) = (0, 0, Vec::new());
     for k in 0..sets {
         let parameters = any_surface(k);
         let bsdf = Bsdf::from(parameters);
@@ -192,12 +191,14 @@ fn no_surface_makes_light() {
             if above(2 * k, 1 << 13).is_some() {
                 second_looks += 1;
                 let mean = above(2 * k + 1, 1 << 17);
-                most = most.max(mean.unwrap_or(0.0));
-                assert!(mean.is_none(), "{mean:?} at {wo}, set {k}: {parameters:?}");
+                if let Some(mean) = mean {
+                    wrong.push(format!("{mean} at {wo}, set {k}: {parameters:?}"));
+                }
             }
         }
     }
     println!("{sets} sets, {looks} looks, {second_looks} of them twice");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Samples of layers follow their density, from all sides; deltas are left out.

@@ -416,6 +416,7 @@ impl<'a> Parser<'a> {
                 let layers = self.layers(&written, &shown);
                 MaterialKind::Principled(Box::new(Principled {
                     base_color: Rgb::WHITE,
+                    metallic: 0.0,
                     // What is too dense to be rough is smooth.
                     anisotropy: if glass.interior.ior > LARGEST_ROUGH_IOR {
                         0.0

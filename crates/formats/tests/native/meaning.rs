@@ -493,7 +493,7 @@ fn notes_lead_to_their_lines() {
 fn principled_materials_mean_what_they_say() {
     let material = |keys: &str| {
         let text = format!("[[material]]\nname = \"a\"\ntype = \"principled\"\n{keys}\n");
-        let MaterialKind::Principled(p) = read(&text).scene.materials[0].kind.clone() else {
+        let MaterialKind::Principled(p) = read(&text).scene.materials.remove(1).kind else {
             panic!("{text}")
         };
         *p
@@ -541,6 +541,6 @@ fn principled_materials_mean_what_they_say() {
         "[[material]]\nname = \"a\"\ntype = \"principled\"\n\
          emission = { radiance = [1, 2, 3], strength = 2 }\n",
     );
-    let light = lamp.scene.materials[0].emission.map(|e| e.light);
+    let light = lamp.scene.materials[1].emission.map(|e| e.light);
     assert_eq!(light, Some(EmittedLight::Radiance(Rgb([2.0, 4.0, 6.0]))));
 }

@@ -226,7 +226,8 @@ mod tests {
     fn sent_on([along, across]: [f64; 2], wo: Vec3, reflects: impl Fn(f64) -> f64) -> f64 {
         let wo = wo.to_array().map(f64::from);
         let lambda = |w: [f64; 3]| {
-            let slopes = (along * w[0]).powi(2) + (across * w[1]).powi(2);
+            let (x, y) = (along * w[0], across * w[1]);
+            let slopes = x * x + y * y;
             0.5 * ((1.0 + slopes / (w[2] * w[2])).sqrt() - 1.0)
         };
         let (slopes, turns) = (800, 400);
@@ -235,7 +236,8 @@ mod tests {
             let t = (f64::from(i) + 0.5) / f64::from(slopes);
             let tan = t / (1.0 - t);
             // D cos θ dω of a stretched slope, over a turn.
-            let area = 2.0 * tan / (1.0 + tan * tan).powi(2) / (1.0 - t).powi(2);
+            let (scaled, left) = (1.0 + tan * tan, 1.0 - t);
+            let area = 2.0 * tan / (scaled * scaled) / (left * left);
             for k in 0..turns {
                 let turn = std::f32::consts::TAU * (k as f32 + 0.5) / turns as f32;
                 let (s, c) = real::sin_cos(turn);

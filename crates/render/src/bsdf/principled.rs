@@ -357,9 +357,12 @@ impl Principled {
         // The border that light crosses.
         let ratio = its.eta.max(1.0 / its.eta);
         if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
-            // Stretched facets give back a little less than they lose: what is lost is not known
-            // well enough for more, and no light may be made.
-            let more = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
+            // Where facets are stretched, or reflect otherwise than Fresnel's equations say, what is
+            // lost is not known so well: they give back less, so that no light is made.
+            let is_plain =
+                film.is_none() && its.specular == 1.0 && its.specular_color == Spectrum::WHITE;
+            let stretch = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
+            let more = if is_plain { stretch } else { 1.3 * stretch };
             layers.border = Some(Glass::new(its.eta, steepness, more));
         }
         layers
@@ -436,7 +439,7 @@ impl Principled {
     /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Without what goes into single directions.
     #[inline(never)]
     pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
-        let (wo, wi) = (self.to_tangent(wo, wo), self.to_tangent(wi, wo));
+        let (wo, wi) = (self.turned(wo, wo), self.turned(wi, wo));
         if wo.z == 0.0 || wi.z == 0.0 {
             return (Spectrum::BLACK, 0.0);
         }
@@ -447,13 +450,13 @@ impl Principled {
     /// where nothing is scattered.
     #[inline(never)]
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        let local = self.to_tangent(wo, wo);
+        let local = self.turned(wo, wo);
         if local.z == 0.0 {
             return None;
         }
         let view = self.view(local);
         let sample = self.draw(&view, local, choice, u)?;
-        Some(BsdfSample { wi: self.from_tangent(sample.wi, wo), ..sample })
+        Some(BsdfSample { wi: self.turned_back(sample.wi, wo), ..sample })
     }
 
     fn draw(&self, view: &View, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
@@ -813,11 +816,12 @@ impl Principled {
         let Some(film) = &self.film else { return [normal, self.its.specular] };
         let grazing = self.its.specular + (1.0 - self.its.specular) * film.strength;
         let eta = self.its.eta.max(1.0 / self.its.eta);
-        let normal = cosines().fold(0.0_f32, |most, cos| {
+        let towards_grazing = [0.01, 0.03, 0.06, 0.1, 0.15];
+        let normal = cosines().chain(towards_grazing).fold(0.0_f32, |most, cos| {
             let (reflected, _) = Fresnel::Exact.dielectric(cos, eta);
             let rise = Rise::of_smooth(reflected, eta);
             let here = self.gloss_of(reflected, cos).max_channel();
-            if rise < 0.9 { most.max((here - rise * grazing) / (1.0 - rise)) } else { most }
+            if rise < 0.98 { most.max((here - rise * grazing) / (1.0 - rise)) } else { most }
         });
         [normal.clamp(0.0, 1.0), grazing]
     }
@@ -949,13 +953,13 @@ impl Principled {
 
     /// A direction in the frame of the tangent, on the side where the layers are if it has no
     /// inside; `wo` says from where the surface is seen.
-    fn to_tangent(&self, w: Vec3, wo: Vec3) -> Vec3 {
+    fn turned(&self, w: Vec3, wo: Vec3) -> Vec3 {
         let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
         self.tangent.map_or(w, |t| Vec3::new(t.x * w.x + t.y * w.y, t.x * w.y - t.y * w.x, w.z))
     }
 
     /// The way back.
-    fn from_tangent(&self, w: Vec3, wo: Vec3) -> Vec3 {
+    fn turned_back(&self, w: Vec3, wo: Vec3) -> Vec3 {
         let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
         self.tangent.map_or(w, |t| Vec3::new(t.x * w.x - t.y * w.y, t.x * w.y + t.y * w.x, w.z))
     }
@@ -1021,7 +1025,8 @@ impl Facets {
         let roughness = stretched.equal_alpha(w).sqrt();
         let usual = Loss::metal(roughness).at(mu);
         let lost = Loss::glass(roughness, side.eta).at(mu);
-        if usual > 0.0 { (lost * stretched.at(w) / usual).min(1.0) } else { lost }
+        let metal = stretched.at(w);
+        if usual > 0.0 { (lost / usual).min(1.0) * metal } else { lost }
     }
 }
 
