@@ -19,7 +19,7 @@ use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::texture::{
     Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput,
-    Texels, UvMapping, Wrap,
+    Texels, Texture, UvMapping, Wrap,
 };
 
 /// Under a white sky, looked at along −z, two metres wide and high.
