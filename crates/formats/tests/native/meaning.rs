@@ -524,6 +524,7 @@ fn principled_materials_mean_what_they_say() {
         iridescence: 0.28,
         iridescence_ior: 1.29,
         iridescence_thickness_nm: 300.0,
+        textures: Default::default(),
     };
     let all = "base_color = [0.1, 0.2, 0.3]\nmetallic = 0.11\nroughness = 0.12\n\
                diffuse_roughness = 0.13\nanisotropy = 0.14\nanisotropy_rotation_degrees = 30\n\

@@ -365,11 +365,8 @@ impl Maker<'_> {
         let invalid = |what: &str| SceneError::invalid_file(self.path, what);
         self.scene.bitmaps =
             self.pictures.read(&options.limits, options.strict, &mut self.notes)?;
-        let glows = self.scene.objects.iter().any(|object| {
-            let material = &self.scene.materials[object.material.0 as usize];
-            material.gives_light() && material.kind != MaterialKind::Black
-        });
-        if self.scene.lights.is_empty() && !glows {
+        // What glows is shown glowing, and is no lamp to those who made the file.
+        if self.scene.lights.is_empty() {
             self.scene.environment = Some(Environment::constant(Rgb::WHITE));
             self.notes.push(format!(
                 "{}: there is no light in it: an even white sky stands in",
