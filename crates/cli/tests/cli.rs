@@ -181,7 +181,7 @@ fn bad_usage_is_refused_with_a_hint() {
         ("room.toml --limit pixels", "pixels=500M"),
         (
             "room.toml --limit pixles=4",
-            "bytes, vertices, triangles, pixels, picture, objects, nesting",
+            "bytes, vertices, triangles, pixels, textures, picture, objects, nesting",
         ),
         ("room.toml --limit pixels=many", "2000000, 500k, 2M or 8G"),
         ("check", "SCENE"),

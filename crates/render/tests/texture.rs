@@ -468,6 +468,7 @@ fn principled_surfaces_are_textured() {
     let plain = |metallic: f32| {
         let mut scene = scene();
         let base_color = Rgb::new(0.9, 0.5, 0.2);
+        scene.camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 1.0).unwrap().into();
         let kind = Principled { base_color, metallic, roughness: 0.5, ..Principled::default() };
         let material = scene.add_material(Material::new(MaterialKind::Principled(Box::new(kind))));
         scene.objects.push(Object::new(SQUARE, material));
