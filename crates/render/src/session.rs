@@ -81,7 +81,7 @@ impl Session {
         threads: usize,
     ) -> Result<Self, SceneProblem> {
         settings.validate()?;
-        let scene = Arc::new(scene.on_film(settings.size));
+        let scene = Arc::new(Arc::unwrap_or_clone(scene).on_film(settings.size));
         let window = settings.window();
         let casting = scene.casting().filter(|_| settings.traces_light());
         let planned = settings.planned_spp.unwrap_or(settings.spp);

@@ -7,7 +7,7 @@ use rutilant::Prepared;
 use rutilant::camera::{Orthographic, Perspective};
 use rutilant::color::Rgb;
 use rutilant::film::Filter;
-use rutilant::geom::{Ray, Transform, Vec2, Vec3};
+use rutilant::geom::{Ray, Transform, Vec2, Vec3, real};
 use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
@@ -190,14 +190,14 @@ fn pixels_grow_with_distance_in_perspective() {
         let image = render(&scene, Settings { integrator: IntegratorKind::Albedo, ..settings });
         let brightest = image.channel("G").unwrap().iter().copied().fold(0.0, f32::max);
         // The brightest pixel is twice as wide, and shows a quarter of that.
-        (-brightest.log2() / 2.0).round() as i32 - 1
+        (-real::log2(brightest) / 2.0).round() as i32 - 1
     };
     let plan = |height| Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, height).unwrap().into();
     // A texel is 1/32 m; half a pixel of a plan `height` m high is height / 128 m.
     assert_eq!([4.0, 8.1, 16.1, 32.1].map(|height| level(plan(height))), [0, 1, 2, 3]);
     let eye = |distance: f32| {
         let height_at_one = 2.0_f32;
-        let fov = 2.0 * (height_at_one / 2.0).atan();
+        let fov = 2.0 * real::atan(height_at_one / 2.0);
         Perspective::look_at(distance * Vec3::Z, Vec3::ZERO, fov).unwrap().into()
     };
     assert_eq!([2.0, 4.1, 8.2, 16.4].map(|distance| level(eye(distance))), [0, 1, 2, 3]);

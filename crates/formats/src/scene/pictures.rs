@@ -110,7 +110,8 @@ impl Pictures {
 
     /// What stands for them before they are read.
     pub(crate) fn bare(&self) -> Vec<Arc<Bitmap>> {
-        vec![Arc::new(Bitmap::solid(MISSING)); self.wanted.len()]
+        let missing = Arc::new(Bitmap::solid(MISSING));
+        self.wanted.iter().map(|_| Arc::clone(&missing)).collect()
     }
 
     /// Takes over those of another list; gives what is to be added to their numbers, or the new one

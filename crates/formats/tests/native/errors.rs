@@ -90,7 +90,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[sky]\ncolor = 1",
-        r#"8:2: no key "sky" in the scene; there are version, render, camera, environment, material, shape, light"#,
+        r#"8:2: no key "sky" in the scene; there are version, render, camera, environment, texture, material, shape, light"#,
     ),
     ("[environmnt]\ncolor = 1", r#"8:2: no key "environmnt"; did you mean "environment"?"#),
     (

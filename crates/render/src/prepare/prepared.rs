@@ -320,9 +320,9 @@ impl Prepared {
     }
 
     /// The same scene as a film of this size sees it.
-    pub(crate) fn on_film(&self, size: [u32; 2]) -> Self {
+    pub(crate) fn on_film(self, size: [u32; 2]) -> Self {
         let eye = Eye::new(&self.camera.prepare(size), &self.camera.axis());
-        Self { eye, ..self.clone() }
+        Self { eye, ..self }
     }
 
     /// Lets `camera`, a valid one, see the scene.

@@ -2,7 +2,7 @@
 //!
 //! A [`Texture`] gives a colour and an opacity for a place on a surface; materials take it as a
 //! factor by a [`ColorInput`] or a [`ScalarInput`]. Images are averaged into ever smaller ones
-//! beforehand ([`Pyramid`]), and the one is looked at whose texels are about as large as what a
+//! beforehand (`pyramid.rs`), and the one is looked at whose texels are about as large as what a
 //! pixel sees of the surface.
 //!
 //! Texture coordinates run from (0, 0) at the lower left corner of an image to (1, 1) at the upper

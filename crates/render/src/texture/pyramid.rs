@@ -188,11 +188,11 @@ fn halved(bitmap: &Bitmap, codes: &Codes) -> Option<Bitmap> {
         false => codes.nearest(value),
     };
     let values: Vec<f32> = texels.collect();
-    let values = values.into_iter().enumerate();
+    let codes = || values.iter().copied().enumerate().map(code);
     let texels = match bitmap.texels() {
-        Texels::Eight(_) => Texels::Eight(values.map(|v| code(v) as u8).collect()),
-        Texels::Sixteen(_) => Texels::Sixteen(values.map(|v| code(v) as u16).collect()),
-        Texels::Float(_) => Texels::Float(values.map(|(_, v)| v).collect()),
+        Texels::Eight(_) => Texels::Eight(codes().map(|code| code as u8).collect()),
+        Texels::Sixteen(_) => Texels::Sixteen(codes().map(|code| code as u16).collect()),
+        Texels::Float(_) => Texels::Float(values),
     };
     Bitmap::new(width, height, channels, texels)
 }
