@@ -254,7 +254,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"principled\"\ntransmission = 1\nior = 3",
-        "8:1: roughness is 0.3, but where light goes through a body of ior 3 it must be 0, and so \
+        "8:1: material \"a\": roughness is 0.3, but where light goes through a body of ior 3 it must be 0, and so \
          must anisotropy: up to 2.5 glass may be rough",
     ),
     (
