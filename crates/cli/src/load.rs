@@ -45,7 +45,8 @@ pub(crate) struct Reading {
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Limited {
     /// The most that is read: bytes (of a file), pixels (of an image), textures (bytes of all their
-    /// pictures), picture (pixels that the scene asks for), vertices, triangles, objects or nesting, like pixels=500M; may be repeated
+    /// pictures), picture (pixels that the scene asks for), vertices, triangles, objects or nesting,
+    /// like pixels=500M; may be repeated
     #[arg(long = "limit", value_name = "NAME=N", help_heading = READING, value_parser = options::limit)]
     changes: Vec<(&'static str, u64)>,
 }

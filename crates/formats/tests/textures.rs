@@ -288,7 +288,7 @@ fn material_libraries_bring_pictures() {
     png(&folder.path().join("maps/my wood.png"), ExtendedColorType::L8, &[7, 9]);
     png(&folder.path().join("stone.png"), ExtendedColorType::L8, &[1, 2]);
     let mtl = "newmtl a\nKd .5 .25 1\nmap_Kd maps\\my wood.png\n\
-               newmtl b\nmap_Kd -s 2 3 -o .5 -clamp on C:\\art\\stone.png\n\
+               newmtl b\nmap_Kd -blendu on -s 2 3 -o .5 -clamp on C:\\art\\stone.png\n\
                newmtl c\nKd 0 0 0\nKs .5\nNs 100\nmap_Kd maps/my wood.png\n\
                newmtl d\nmap_Kd none.png\n";
     fs::write(folder.path().join("a.mtl"), mtl).expect("a file");

@@ -124,7 +124,8 @@ fn follow_through<'p>(
             let (here, beyond) = media.arrive(&border, rank, from_front, also, table);
             through *= transmittance(media.absorption, hit.t);
             if here.interior.ior != here.exterior.ior {
-                let material = material.between(here);
+                let varied = scene.varied_at(&hit, material);
+                let material = varied.as_ref().unwrap_or(material).between(here);
                 let Made { material, beyond } =
                     made.insert(Made { material, beyond: Some(beyond) });
                 let met = Met { hit, at, material, beyond: beyond.as_ref() };

@@ -252,15 +252,15 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Options and the name of a picture, as a texture; `None` without a name.
-    fn picture(&mut self, at: usize) -> Option<TextureId> {
-        let mut mapping = UvMapping::default();
-        let mut wrap = Wrap::Repeat;
+    /// The options before the name of a texture: where on it coordinates point, and what lies beyond
+    /// its edges. Nothing in them is an error.
+    fn options(&mut self) -> (UvMapping, Wrap) {
+        let (mut mapping, mut wrap) = (UvMapping::default(), Wrap::Repeat);
         loop {
             let mut option = self.cursor;
             option.skip_blanks();
             let keyword = option.word();
-            let Some(values) = texture_option(keyword) else { break };
+            let Some(values) = texture_option(keyword) else { return (mapping, wrap) };
             self.cursor = option;
             let usual = if keyword == b"-s" { 1.0 } else { 0.0 };
             let mut numbers = [usual; 3];
@@ -273,7 +273,8 @@ impl<'a> Parser<'a> {
                     // Of three numbers, those behind the first may be absent.
                     None if i > 0 => break,
                     None => {
-                        if keyword == b"-clamp" && value.word() == b"on" {
+                        let word = value.word();
+                        if keyword == b"-clamp" && word == b"on" {
                             wrap = Wrap::Clamp;
                         }
                     }
@@ -287,6 +288,11 @@ impl<'a> Parser<'a> {
                 _ => {}
             }
         }
+    }
+
+    /// Options and the name of a picture, as a texture; `None` without a name.
+    fn picture(&mut self, at: usize) -> Option<TextureId> {
+        let (mapping, wrap) = self.options();
         let name = self.cursor.name();
         // Some exporters write the statement where there is no texture.
         if name.is_empty() {
@@ -307,26 +313,9 @@ impl<'a> Parser<'a> {
         Some(id)
     }
 
-    /// Options and the name of a texture that nobody uses: nothing in them is an error.
+    /// Options and the name of a texture that nobody uses.
     fn texture(&mut self, keyword: &'a [u8], at: usize) {
-        loop {
-            let mut option = self.cursor;
-            option.skip_blanks();
-            let Some(values) = texture_option(option.word()) else { break };
-            self.cursor = option;
-            for i in 0..values {
-                let mut value = self.cursor;
-                value.skip_blanks();
-                // Of three numbers, those behind the first may be absent.
-                if value.number().is_none() {
-                    if i > 0 {
-                        break;
-                    }
-                    value.word();
-                }
-                self.cursor = value;
-            }
-        }
+        self.options();
         let name = self.cursor.name();
         // Some exporters write the statement where there is no texture.
         if !name.is_empty() {

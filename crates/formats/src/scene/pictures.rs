@@ -114,8 +114,7 @@ impl Pictures {
         self.wanted.iter().map(|_| Arc::clone(&missing)).collect()
     }
 
-    /// Takes over those of another list; gives what is to be added to their numbers, or the new one
-    /// of each.
+    /// Takes over those of another list, and gives the new number of each.
     pub(crate) fn adopt(&mut self, others: Self) -> Vec<BitmapId> {
         others.wanted.into_iter().map(|wanted| self.want(wanted)).collect()
     }

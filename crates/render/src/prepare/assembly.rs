@@ -1,6 +1,6 @@
 //! A scene is put together: shapes become surfaces in the world, and what shines emitters.
 
-use super::material::{passes, prepare_materials, prepare_opacities};
+use super::material::{passes, prepare_materials};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
@@ -157,8 +157,7 @@ impl Assembly {
         }
         let known = before.map(|before| &*before.textures);
         let textures = PreparedTextures::new(scene, known, &mut self.notes);
-        let (mut materials, varying) = prepare_materials(&scene.materials, &textures);
-        let opacities = prepare_opacities(&scene.materials, &mut materials);
+        let (materials, varying, opacities) = prepare_materials(&scene.materials, &textures);
         let some_open = !opacities.is_empty();
         let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
         ranked.retain(|b| b.rank.is_some());

@@ -96,11 +96,12 @@ pub(super) fn passes(material: &Material) -> bool {
     }
 }
 
-/// All materials as they meet light, and what tells more of those that vary.
+/// All materials as they meet light, what tells more of those that vary, and how much is there of
+/// those that are not everywhere.
 pub(super) fn prepare_materials(
     all: &[Material],
     textures: &PreparedTextures,
-) -> (Vec<PreparedMaterial>, Vec<Varying>) {
+) -> (Vec<PreparedMaterial>, Vec<Varying>, Vec<Opacity>) {
     // The strongest first; of equally strong ones the first.
     let priority = |m: &Material| match &m.kind {
         MaterialKind::Dielectric(Dielectric { priority, .. }) => *priority,
@@ -123,7 +124,7 @@ pub(super) fn prepare_materials(
     let ranks: BTreeMap<usize, u32> =
         ranked.iter().zip(0..).map(|((_, i), rank)| (*i, rank)).collect();
 
-    let mut varying = Vec::new();
+    let (mut varying, mut opacities) = (Vec::new(), Vec::new());
     let prepare = |(i, material): (usize, &Material)| {
         let lobes = match &material.kind {
             MaterialKind::Mix(mix) => {
@@ -142,10 +143,15 @@ pub(super) fn prepare_materials(
             | MaterialKind::Custom(_) => [lobe(material).map(|lobe| (1.0, lobe)), None],
         };
         let mean = lobes.iter().flatten().map(|(weight, lobe)| (*weight, lobe.mean(textures)));
-        let mut prepared = PreparedMaterial::from(Bsdf::sum(mean));
+        let mut prepared = PreparedMaterial {
+            normal_map: material.normal_map,
+            glow: material.emission.and_then(|emission| emission.texture),
+            opacity: material.opacity.map(|opacity| push(&mut opacities, opacity)),
+            ..PreparedMaterial::from(Bsdf::sum(mean))
+        };
+        let mut vary = |what| Some(push(&mut varying, what));
         if lobes.iter().flatten().any(|(_, lobe)| lobe.varies()) {
-            prepared.varying = Some(varying.len() as u32);
-            varying.push(Varying::Lobes(lobes));
+            prepared.varying = vary(Varying::Lobes(lobes));
         }
         match &material.kind {
             MaterialKind::Black
@@ -158,8 +164,7 @@ pub(super) fn prepare_materials(
             MaterialKind::Principled(p) => {
                 prepared.bsdf = textures.mean_principled(p).into();
                 if p.textures.vary() {
-                    prepared.varying = Some(varying.len() as u32);
-                    varying.push(Varying::Principled(p.clone()));
+                    prepared.varying = vary(Varying::Principled(p.clone()));
                 }
                 if p.has_inside() {
                     let absorption = p.absorption.coefficient();
@@ -183,32 +188,19 @@ pub(super) fn prepare_materials(
                 prepared.border = Some(Border { interior, exterior, material: i as u32, rank });
             }
             MaterialKind::Custom(custom) => {
-                prepared.varying = Some(varying.len() as u32);
-                varying.push(Varying::Custom(Arc::clone(custom)));
+                prepared.varying = vary(Varying::Custom(Arc::clone(custom)));
             }
         }
         prepared
     };
     let materials = all.iter().enumerate().map(prepare).collect();
-    (materials, varying)
+    (materials, varying, opacities)
 }
 
-/// Tells the materials what pictures make of their normals and their light, and those that are not
-/// everywhere how much of them is there.
-pub(super) fn prepare_opacities(
-    all: &[Material],
-    prepared: &mut [PreparedMaterial],
-) -> Vec<Opacity> {
-    let mut opacities = Vec::new();
-    for (material, prepared) in all.iter().zip(prepared) {
-        prepared.normal_map = material.normal_map;
-        prepared.glow = material.emission.and_then(|emission| emission.texture);
-        if let Some(opacity) = material.opacity {
-            prepared.opacity = Some(opacities.len() as u32);
-            opacities.push(opacity);
-        }
-    }
-    opacities
+/// Adds an item, and gives its number.
+fn push<T>(items: &mut Vec<T>, item: T) -> u32 {
+    items.push(item);
+    (items.len() - 1) as u32
 }
 
 /// The lobe of a material that has just one.

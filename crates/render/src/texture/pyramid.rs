@@ -182,7 +182,7 @@ fn halved(bitmap: &Bitmap, codes: &Codes) -> Option<Bitmap> {
             [r, if channels == 2 { a } else { g }, b, a].into_iter().take(channels)
         })
     });
-    let is_alpha = |i: usize| channels.is_multiple_of(2) && i % channels == channels - 1;
+    let is_alpha = |i: usize| bitmap.has_alpha() && i % channels == channels - 1;
     let code = |(i, value): (usize, f32)| match is_alpha(i) {
         true => (value / codes.alpha + 0.5) as usize,
         false => codes.nearest(value),

@@ -11,7 +11,7 @@ use super::material::{Alpha, Material as Written};
 use super::mesh::Primitive;
 use super::node::{LightKind, Projection};
 use super::pose::{Moment, Placed, Pose};
-use super::texture::{Filter, ImageBytes, TextureRef, Wrap as WrittenWrap};
+use super::texture::{Filter, ImageBytes, TextureRef, UvTransform, Wrap as WrittenWrap};
 use super::uri;
 use crate::camera::{AuthoredCamera, CameraKind};
 use crate::error::{SceneError, Source};
@@ -67,6 +67,10 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     maker.finish(&placed, options)
 }
 
+/// A texture of the document, the set of coordinates, the bits of what is done to them, and what
+/// codes mean.
+type TextureKey = (usize, u32, [u32; 5], Encoding);
+
 /// A scene that is being made.
 struct Maker<'d> {
     document: &'d Document,
@@ -77,7 +81,7 @@ struct Maker<'d> {
     files: Files<'d>,
     /// By their numbers in the document.
     images: HashMap<usize, BitmapId>,
-    textures: HashMap<String, TextureId>,
+    textures: HashMap<TextureKey, TextureId>,
     /// By number, and whether vertex colours count.
     materials: HashMap<(Option<usize>, bool), MaterialId>,
     /// By mesh, primitive, and the set of coordinates that tangents are wanted for.
@@ -307,7 +311,9 @@ impl Maker<'_> {
 
     /// The scene's texture for one that a material uses.
     fn texture(&mut self, used: &TextureRef, encoding: Encoding) -> TextureId {
-        let key = format!("{used:?} {encoding:?}");
+        let UvTransform { offset: [u, v], rotation, scale: [across, along] } = used.transform;
+        let transform = [u, v, rotation, across, along].map(f32::to_bits);
+        let key = (used.texture, used.set, transform, encoding);
         if let Some(id) = self.textures.get(&key) {
             return *id;
         }
@@ -463,7 +469,7 @@ fn mesh_of(primitive: &Primitive, name: &str) -> Mesh {
 const MOST_SETS: usize = 16;
 
 /// What a texture does to coordinates, with v turned over before and after. With F(u, v) = (u, 1 − v),
-/// a turn by −θ as [`UvTransform`](super::texture::UvTransform) has it becomes one by θ.
+/// a turn by −θ as [`UvTransform`] has it becomes one by θ.
 fn mapping_of(used: &TextureRef) -> UvMapping {
     let transform = &used.transform;
     let (s, c) = real::sin_cos(transform.rotation);
@@ -481,7 +487,6 @@ fn mapping_of(used: &TextureRef) -> UvMapping {
 
 #[cfg(test)]
 mod tests {
-    use super::super::texture::UvTransform;
     use super::*;
 
     /// Turning v over, doing what the scene does, and turning it back is what the document does.

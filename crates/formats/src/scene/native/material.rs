@@ -345,8 +345,8 @@ fn note_lost_emission(draft: &mut Draft<'_>) {
 }
 
 /// The keys that say all of a material; `None` for a custom one, which no file can say. `names`
-/// are those of all materials, `textures` those of all textures. A lamp, which is black and glows, is written "emissive" if `lamp`
-/// says so, or else "black" with an emission.
+/// are those of all materials, `textures` those of all textures. A lamp, which is black and glows,
+/// is written "emissive" if `lamp` says so, or else "black" with an emission.
 pub(super) fn keys_of(
     material: &Material,
     names: &[String],
