@@ -5,7 +5,9 @@ use crate::options;
 use clap::Args;
 use rutilant::Prepared;
 use rutilant::settings::Settings;
-use rutilant_formats::{Limits, LoadedScene, ReadOptions, parse_native, read_scene};
+use rutilant_formats::{
+    CameraChoice, Limits, LoadedScene, ReadOptions, SkyChoice, parse_native, read_scene,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -34,9 +36,13 @@ pub(crate) struct Reading {
     /// Show the first animation at this time (glTF)
     #[arg(long, value_name = "SECONDS", help_heading = READING, allow_hyphen_values = true)]
     pub at_time: Option<f32>,
-    /// See the scene by the camera of this name, not by the first one
-    #[arg(long, value_name = "NAME", help_heading = READING)]
-    pub camera: Option<String>,
+    /// See the scene by the camera of this name, not by the first one; "auto" is one that sees
+    /// everything
+    #[arg(long, value_name = "NAME|auto", help_heading = READING, value_parser = options::camera)]
+    pub camera: Option<CameraChoice>,
+    /// Light the scene by another sky: a picture of one, a radiance like 1 or 0.8,0.9,1, or none
+    #[arg(long, value_name = "FILE|COLOR|none", help_heading = READING, value_parser = options::sky)]
+    pub environment: Option<SkyChoice>,
     #[command(flatten)]
     pub limited: Limited,
 }
@@ -80,7 +86,8 @@ pub(crate) fn read(
         variant: reading.variant.as_deref(),
         at_time: reading.at_time,
         size,
-        camera: reading.camera.as_deref(),
+        camera: reading.camera.as_ref().unwrap_or_default(),
+        sky: reading.environment.as_ref().unwrap_or_default(),
         ..ReadOptions::default()
     };
     let loaded = match scene {

@@ -2,10 +2,11 @@
 
 use crate::failure::Failure;
 use clap::ValueEnum;
+use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::geom::{BuildOptions, Quality, Simd};
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
-use rutilant_formats::Limits;
+use rutilant_formats::{CameraChoice, Limits, SkyChoice};
 use std::time::Duration;
 
 /// `800x600`.
@@ -107,6 +108,29 @@ pub(crate) fn limit(text: &str) -> Result<(&'static str, u64), String> {
     let number = number.filter(|_| digits.starts_with(|c: char| c.is_ascii_digit()));
     let number = number.ok_or("write a whole number, like 2000000, 500k, 2M or 8G")?;
     Ok((name, number))
+}
+
+/// The name of a camera, or `auto`.
+pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
+    Ok(match text {
+        "auto" => CameraChoice::Auto,
+        name => CameraChoice::Named(name.to_owned()),
+    })
+}
+
+/// `none`, one number or three for a radiance, or the path of a picture.
+pub(crate) fn sky(text: &str) -> Result<SkyChoice, String> {
+    if text == "none" {
+        return Ok(SkyChoice::None);
+    }
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let radiance = match numbers.as_deref() {
+        Ok(&[grey]) => Rgb::grey(grey),
+        Ok(&[r, g, b]) => Rgb([r, g, b]),
+        Ok(_) => return Err("write a radiance as one number or three, like 0.8,0.9,1".to_owned()),
+        Err(_) => return Ok(SkyChoice::Picture(text.into())),
+    };
+    Ok(SkyChoice::Even(radiance))
 }
 
 /// How many threads.

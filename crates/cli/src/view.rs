@@ -104,7 +104,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         strict: args.reading.strict,
         variant: args.reading.variant.clone(),
         at_time: args.reading.at_time,
-        camera: args.reading.camera.clone(),
+        camera: args.reading.camera.clone().unwrap_or_default(),
+        sky: args.reading.environment.clone().unwrap_or_default(),
         size,
         adjust: Arc::new(adjust),
     };

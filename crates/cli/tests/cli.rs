@@ -527,6 +527,34 @@ fn cameras_are_chosen_by_name() {
     }
 }
 
+/// Any scene stands under the sky that is asked for: under an even one every pixel that sees only
+/// sky has its radiance; what is neither a radiance nor a picture is refused by name.
+#[test]
+fn another_sky_is_asked_for() {
+    let desk = Desk::new();
+    let scene = "version = 1\nrender.size = [2, 2]\nrender.spp = 1\nenvironment.color = 7
+        camera.position = [0, 0, 1]\ncamera.look_at = [0, 0, 0]";
+    fs::write(desk.path("sky.toml"), scene).unwrap();
+    let red = |options: &str| {
+        desk.json(&format!("sky.toml -o a.exr --json {options}"));
+        desk.image("a.exr").channel("R").unwrap().to_vec()
+    };
+    assert_eq!(red(""), [7.0; 4]);
+    assert_eq!(red("--environment 0.25,1,3"), [0.25; 4]);
+    assert_eq!(red("--environment none"), [0.0; 4]);
+    fs::copy(desk.path("a.exr"), desk.path("dark.exr")).unwrap();
+    assert_eq!(red("--environment dark.exr"), [0.0; 4]);
+    for (asked, said) in [
+        ("1,2", "write a radiance as one number or three, like 0.8,0.9,1"),
+        ("gone.hdr", "gone.hdr: "),
+        ("sky.toml", "sky.toml: "),
+    ] {
+        let ran = desk.run(&format!("sky.toml --environment {asked}"));
+        assert_eq!(ran.status, 2, "{}", ran.error);
+        assert!(ran.error.contains(said), "{}", ran.error);
+    }
+}
+
 /// Focusing says what became sharp, changes the picture only where there is a lens, and is kept
 /// with the picture.
 #[test]

@@ -86,3 +86,13 @@ pub(crate) fn folder(path: &Path) -> &Path {
         _ => Path::new("."),
     }
 }
+
+/// How a scene in `folder` names a file: by the way from there, where it lies within; else by its
+/// whole path.
+pub fn named_from(folder: &Path, file: &Path) -> String {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let file = whole(file);
+    let within = file.strip_prefix(whole(folder)).unwrap_or(&file);
+    within.to_string_lossy().replace('\\', "/")
+}

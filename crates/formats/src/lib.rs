@@ -23,9 +23,10 @@ pub mod scene;
 mod shown;
 
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
+pub use file::named_from;
 pub use limits::Limits;
 pub use look::Look;
-pub use options::ReadOptions;
+pub use options::{CameraChoice, ReadOptions, SkyChoice};
 pub use replace::replace_file;
 pub use scene::loaded::{LoadedScene, TextureName};
 
@@ -55,7 +56,7 @@ const SCENES: &[(&str, SceneReader)] = &[
 pub fn read_scene(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
     let extension = file::extension(path);
     match SCENES.iter().find(|(name, _)| *name == extension) {
-        Some((_, read)) => read(path, options),
+        Some((_, read)) => read(path, options)?.under(path, options),
         None => {
             let known = SCENES.iter().map(|(name, _)| *name);
             let what = file::unknown_format("scene", path, known);
@@ -86,7 +87,7 @@ pub fn parse_native(
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
-    scene::native::parse(text, file, options)
+    scene::native::parse(text, file, options)?.under(file, options)
 }
 
 /// The text of a native scene with another look: only values that differ are changed, all else

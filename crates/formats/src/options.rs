@@ -1,6 +1,8 @@
 //! What a caller may ask of reading.
 
 use crate::Limits;
+use rutilant::color::Rgb;
+use std::path::PathBuf;
 
 /// How to read a scene. The default is right for files from strangers.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,6 +24,50 @@ pub struct ReadOptions<'a> {
     /// The time, in seconds, of the first animation of a glTF file at which all stands; where no
     /// animation has moved it if `None`.
     pub at_time: Option<f32>,
-    /// The name of the camera that sees the scene; the first one if `None`.
-    pub camera: Option<&'a str>,
+    /// Which camera sees the scene.
+    pub camera: &'a CameraChoice,
+    /// The sky.
+    pub sky: &'a SkyChoice,
+}
+
+/// Which camera sees a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum CameraChoice {
+    /// The first one of the scene; where it has none, one that sees everything.
+    #[default]
+    First,
+    /// The one of this name.
+    Named(String),
+    /// One that sees everything, whatever cameras the scene has. It comes after these.
+    Auto,
+}
+
+/// Which sky a scene has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum SkyChoice {
+    /// Its own. Meshes, and glTF documents without a light, have an even white one.
+    #[default]
+    Own,
+    /// None: it is black.
+    None,
+    /// The same radiance everywhere, in W/(m² sr).
+    Even(Rgb),
+    /// The picture in a file, counted from the folder that the program runs in; how directions lie
+    /// on it is [likely](rutilant::light::Projection::likely) by its proportions. It comes after
+    /// the scene's own images.
+    Picture(PathBuf),
+}
+
+impl Default for &CameraChoice {
+    fn default() -> Self {
+        static FIRST: CameraChoice = CameraChoice::First;
+        &FIRST
+    }
+}
+
+impl Default for &SkyChoice {
+    fn default() -> Self {
+        static OWN: SkyChoice = SkyChoice::Own;
+        &OWN
+    }
 }

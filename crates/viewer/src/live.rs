@@ -146,6 +146,18 @@ struct Inbox {
     quit: bool,
 }
 
+/// Leaves the processor to the interface where both want it. On Linux this counts for the thread
+/// that calls and for those that it starts; elsewhere it would count for the whole program.
+fn step_back() {
+    #[cfg(target_os = "linux")]
+    // Whoever may not be nicer renders as before.
+    let _ = rustix::process::nice(NICER);
+}
+
+/// By how much rendering steps back: at each core the interface gets some four times its share.
+#[cfg(target_os = "linux")]
+const NICER: i32 = 6;
+
 /// The window's end of it. Dropping it ends the rendering.
 pub(crate) struct Live {
     shared: Arc<Shared>,
@@ -166,7 +178,10 @@ impl Live {
             wake: Box::new(wake),
         });
         let theirs = Arc::clone(&shared);
-        let thread = std::thread::spawn(move || Worker::new(theirs, threads).run());
+        let thread = std::thread::spawn(move || {
+            step_back();
+            Worker::new(theirs, threads).run();
+        });
         Self { shared, thread: Some(thread) }
     }
 

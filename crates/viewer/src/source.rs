@@ -5,7 +5,8 @@ use rutilant::settings::Settings;
 use rutilant::texture::Texture;
 use rutilant_formats::camera::AuthoredCamera;
 use rutilant_formats::{
-    Limits, LoadedScene, Look, ReadOptions, TextureName, native_text, parse_native, read_scene,
+    CameraChoice, Limits, LoadedScene, Look, ReadOptions, SkyChoice, TextureName, named_from,
+    native_text, parse_native, read_scene,
 };
 use rutilant_geom::Aabb;
 use std::path::{Path, PathBuf};
@@ -43,8 +44,10 @@ pub struct Reading {
     pub variant: Option<String>,
     /// The time at which its animation stands, in seconds.
     pub at_time: Option<f32>,
-    /// The camera to begin with, by its name.
-    pub camera: Option<String>,
+    /// The camera to begin with.
+    pub camera: CameraChoice,
+    /// The sky to begin with.
+    pub sky: SkyChoice,
     /// The size of the picture, whatever the scene says.
     pub size: Option<[u32; 2]>,
     /// What else of its settings the scene does not decide.
@@ -65,6 +68,9 @@ pub(crate) struct Document {
     /// Its cameras by the file.
     pub(crate) cameras: Vec<AuthoredCamera>,
     pub(crate) image_names: Vec<String>,
+    /// How many of the images are the file's own; the others are there because the window was
+    /// opened with them.
+    pub(crate) own_images: usize,
     /// What varies over surfaces, and what the text calls it.
     pub(crate) textures: (Vec<Texture>, Vec<TextureName>),
     /// The files that it is made of, its own not among them.
@@ -200,12 +206,15 @@ pub(crate) fn open(
     let (bounds, triangles) = (report.bounds, report.triangles);
     let LoadedScene { scene, cameras, image_names, texture_names, files, .. } = loaded;
     let textures = (scene.textures.clone(), texture_names);
+    let added = usize::from(matches!(reading.sky, SkyChoice::Picture(_)));
+    let own_images = image_names.len().saturating_sub(added);
     let document = Document {
         file: file.map(Path::to_owned),
         text,
         look: look.clone(),
         filed,
         cameras,
+        own_images,
         image_names,
         textures,
         files,
@@ -226,7 +235,8 @@ fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, Loade
         variant: reading.variant.as_deref(),
         at_time: reading.at_time,
         size: reading.size,
-        camera: reading.camera.as_deref(),
+        camera: &reading.camera,
+        sky: &reading.sky,
         embedded: if file.is_none() { reading.built_in.images } else { &[] },
     };
     let error = |error: rutilant_formats::SceneError| error.to_string();
@@ -249,15 +259,6 @@ pub(crate) fn is_native(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// How a scene in `folder` names a file: by the way from there, where it lies within.
-pub(crate) fn named_from(folder: &Path, file: &Path) -> String {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let file = whole(file);
-    let within = file.strip_prefix(whole(folder)).unwrap_or(&file);
-    within.to_string_lossy().replace('\\', "/")
-}
-
 /// The text of the scene as it looks now, to be written to `to`; `image_names` are those of all
 /// images by number, as the scene names them where it is now.
 pub(crate) fn text_of(
@@ -267,13 +268,17 @@ pub(crate) fn text_of(
     to: &Path,
     reading: &Reading,
 ) -> Result<String, String> {
+    let camera = match &*look.camera.name {
+        "" => CameraChoice::First,
+        name => CameraChoice::Named(name.to_owned()),
+    };
     let options = ReadOptions {
         limits: reading.limits,
         allow_outside: reading.allow_outside,
         strict: reading.strict,
         variant: reading.variant.as_deref(),
         at_time: reading.at_time,
-        camera: (!look.camera.name.is_empty()).then_some(&*look.camera.name),
+        camera: &camera,
         embedded: if document.file.is_none() { reading.built_in.images } else { &[] },
         ..ReadOptions::default()
     };
@@ -281,16 +286,26 @@ pub(crate) fn text_of(
     // What the window was opened with is no part of the scene: where that has not been changed, the
     // file keeps its own.
     let look = |before: &LoadedScene| {
-        let mut look = look.clone();
-        let was = &document.look.settings;
-        look.settings = changed_over(was, &look.settings, &before.settings);
+        let (mut look, filed) = (look.clone(), before.look());
+        let was = &document.look;
+        look.settings = changed_over(&was.settings, &look.settings, &filed.settings);
         look.settings.planned_spp = None;
+        if reading.sky != SkyChoice::Own && look.environment == was.environment {
+            look.environment = filed.environment;
+        }
+        if reading.camera == CameraChoice::Auto {
+            if look.camera == was.camera {
+                look.camera = filed.camera;
+            } else {
+                look.camera.name = filed.camera.name;
+            }
+        }
         look
     };
     // Images that were added are seen from another folder, perhaps.
     let folder_of = |file: &Path| file.parent().unwrap_or(Path::new("")).to_owned();
     let here = document.file.as_deref().map(folder_of).unwrap_or_default();
-    let (own, added) = image_names.split_at(document.image_names.len().min(image_names.len()));
+    let (own, added) = image_names.split_at(document.own_images.min(image_names.len()));
     let added = added.iter().map(|name| named_from(&folder_of(to), &here.join(name)));
     let image_names: Vec<String> = own.iter().cloned().chain(added).collect();
     let image_names = &*image_names;

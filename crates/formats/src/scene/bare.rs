@@ -6,7 +6,7 @@ use super::loaded::{self, LoadedScene};
 use super::mesh_file;
 use super::pictures::Pictures;
 use crate::error::SceneError;
-use crate::options::ReadOptions;
+use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use rutilant::camera::{Lens, Perspective};
 use rutilant::color::Rgb;
 use rutilant::light::Environment;
@@ -45,7 +45,8 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     }
 
     // Light and a camera.
-    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    let own_sky = *options.sky == SkyChoice::Own;
+    scene.environment = own_sky.then(|| Environment::constant(Rgb::WHITE));
     let chosen = frame_all(&scene, options.size.unwrap_or(settings.size)).ok_or_else(|| {
         let why = if no_faces {
             "there is nothing to see: there are no faces"
@@ -59,10 +60,16 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     scene.camera = chosen.camera;
     let cameras = vec![chosen.authored];
     let camera = loaded::camera_named(&cameras, path, options)?;
-    notes.push(note(
-        "a mesh has no sky and no camera: an even white sky lights it, and the camera was chosen \
-         to see all of it",
-    ));
+    let own_camera = *options.camera != CameraChoice::Auto;
+    notes.extend(match (own_sky, own_camera) {
+        (true, true) => Some(note(
+            "a mesh has no sky and no camera: an even white sky lights it, and the camera was \
+             chosen to see all of it",
+        )),
+        (true, false) => Some(note("a mesh has no sky: an even white one lights it")),
+        (false, true) => Some(note("a mesh has no camera: one was chosen that sees all of it")),
+        (false, false) => None,
+    });
 
     scene.validate().map_err(|problem| SceneError::invalid_file(path, problem.to_string()))?;
     Ok(LoadedScene {

@@ -1,11 +1,15 @@
 //! What reading a scene gives.
 
+use super::bare::TOO_LARGE;
+use super::framing::{Chosen, bounds_of_all, frame_all};
 use super::nearest::nearest;
 use crate::camera::AuthoredCamera;
 use crate::error::{SceneError, SceneErrorKind};
-use crate::options::ReadOptions;
+use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::shown::shown;
+use crate::{file, image};
 use rutilant::display::Display;
+use rutilant::light::{Environment, Projection};
 use rutilant::scene::{Note, Place, Scene};
 use rutilant::settings::Settings;
 use std::collections::HashMap;
@@ -60,14 +64,61 @@ impl LoadedScene {
     }
 }
 
-/// The number of the camera that `options` ask for.
+impl LoadedScene {
+    /// The same scene, which was read from `file`, under the sky that is asked for.
+    pub(crate) fn under(
+        mut self,
+        file: &Path,
+        options: &ReadOptions<'_>,
+    ) -> Result<Self, SceneError> {
+        let sky = match options.sky {
+            SkyChoice::Own => return Ok(self),
+            SkyChoice::None => None,
+            SkyChoice::Even(radiance) => Some(Environment::constant(*radiance)),
+            SkyChoice::Picture(path) => {
+                let picture = image::read(path, &options.limits)
+                    .map_err(|error| SceneError::invalid_file(path, error.what))?;
+                let projection = Projection::likely([picture.width(), picture.height()]);
+                self.files.extend(path.canonicalize());
+                self.image_names.push(file::named_from(file::folder(file), path));
+                Some(Environment::map(self.scene.add_image(picture), projection))
+            }
+        };
+        self.scene.environment = sky;
+        self.lines.remove(&Place::Environment);
+        self.scene.validate().map_err(|problem| {
+            // All else was as it should be before.
+            let of = if let SkyChoice::Picture(path) = options.sky { path } else { file };
+            SceneError::invalid_file(of, problem.what)
+        })?;
+        Ok(self)
+    }
+}
+
+/// A camera that sees all of a scene from `path` in a picture of `size` pixels.
+pub(super) fn camera_for_all(
+    scene: &Scene,
+    size: [u32; 2],
+    path: &Path,
+) -> Result<Chosen, SceneError> {
+    frame_all(scene, size).ok_or_else(|| {
+        let nothing = bounds_of_all(scene).is_empty();
+        let why = if nothing { "there is nothing to see in it" } else { TOO_LARGE };
+        SceneError::invalid_file(path, why)
+    })
+}
+
+/// The number of the camera that `options` ask for by its name, or else of the first one.
 pub(super) fn camera_named(
     cameras: &[AuthoredCamera],
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<usize, SceneError> {
-    let Some(name) = options.camera else { return Ok(0) };
-    if let Some(at) = cameras.iter().position(|camera| camera.name == name) {
+    let name = match options.camera {
+        CameraChoice::First | CameraChoice::Auto => return Ok(0),
+        CameraChoice::Named(name) => name,
+    };
+    if let Some(at) = cameras.iter().position(|camera| camera.name == *name) {
         return Ok(at);
     }
     let names = cameras.iter().map(|camera| camera.name.as_str()).filter(|name| !name.is_empty());

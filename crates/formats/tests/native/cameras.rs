@@ -1,11 +1,12 @@
 //! Cameras in their author's words: several in a scene, and the way to text and back.
 
 use crate::parse;
+use rutilant::camera::Camera;
 use rutilant::geom::Vec3;
 use rutilant_formats::camera::{
     AngleOfView, Aperture, AuthoredCamera, AuthoredLens, CameraKind, FocusOn,
 };
-use rutilant_formats::{LoadedScene, ReadOptions, SceneError, parse_native};
+use rutilant_formats::{CameraChoice, LoadedScene, ReadOptions, SceneError, parse_native};
 use std::path::Path;
 
 #[path = "../common/mod.rs"]
@@ -26,8 +27,37 @@ height = 3
 "#;
 
 fn seen_by(text: &str, camera: Option<&str>) -> Result<LoadedScene, SceneError> {
-    let options = ReadOptions { camera, ..ReadOptions::default() };
+    let choice = camera.map(|name| CameraChoice::Named(name.to_owned())).unwrap_or_default();
+    let options = ReadOptions { camera: &choice, ..ReadOptions::default() };
     parse_native(text, Path::new("scene.toml"), &options)
+}
+
+/// A chosen camera comes after those of the scene, which stay, and sees everything; nothing is
+/// said, for nothing is missing.
+#[test]
+fn a_camera_is_chosen_for_all_shapes() {
+    let balls = "[[material]]\nname = \"m\"\ntype = \"matte\"\n\
+        [[shape]]\ntype = \"sphere\"\nmaterial = \"m\"\nradius = 1\ncenter = [-70, 3, 9]\n\
+        [[shape]]\ntype = \"sphere\"\nmaterial = \"m\"\nradius = 2\ncenter = [40, 8, -5]\n";
+    let options = ReadOptions { camera: &CameraChoice::Auto, ..ReadOptions::default() };
+    let text = format!("{TWO}{balls}");
+    let loaded = parse_native(&text, Path::new("scene.toml"), &options).expect("a scene");
+    let names: Vec<_> = loaded.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!((loaded.camera, &names[..]), (2, &["front", "top", ""][..]));
+    assert_eq!(loaded.notes, [""; 0]);
+    let [width, height] = loaded.settings.size;
+    let Camera::Perspective(camera) = loaded.scene.camera else { panic!("no perspective") };
+    let up = (0.5 * camera.fov_y).tan();
+    let across = up * width as f32 / height as f32;
+    let view = camera.world_from_camera.inverse().expect("an inverse");
+    for (center, radius) in [([-70.0, 3.0, 9.0], 1.0), ([40.0, 8.0, -5.0], 2.0)] {
+        let center = view.point(center.into());
+        assert!(center.x.abs() + radius < across * (-center.z - radius), "{center}");
+        assert!(center.y.abs() + radius < up * (-center.z - radius), "{center}");
+    }
+    let error = parse_native(TWO, Path::new("scene.toml"), &options).expect_err("no shape");
+    let said = "scene.toml:1:1: no camera can be chosen: no shape that one could be turned to";
+    assert_eq!(error.to_string(), said);
 }
 
 /// The first camera sees the scene, or the one that is asked for; all are there either way.

@@ -6,6 +6,7 @@ mod files;
 mod meaning;
 mod meshes;
 mod robustness;
+mod skies;
 
 use rutilant_formats::{LoadedScene, ReadOptions, SceneError, parse_native};
 use std::path::Path;

@@ -63,6 +63,20 @@ const CUBES: [Layout; 4] = [
 ];
 
 impl Projection {
+    /// The projection that a picture of `size` pixels most likely has, by its proportions alone:
+    /// squares are octahedral, crosses and strips of squares are cubes, all else is
+    /// equirectangular.
+    pub fn likely(size: [u32; 2]) -> Self {
+        let [width, height] = size;
+        if width == height && width > 0 {
+            Self::Octahedral
+        } else if Self::Cube.charts(size).is_ok() {
+            Self::Cube
+        } else {
+            Self::Equirectangular
+        }
+    }
+
     /// The charts of a picture of `size` pixels, not 0.
     ///
     /// # Errors

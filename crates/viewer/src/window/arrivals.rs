@@ -9,8 +9,8 @@ use crate::picture::View;
 use crate::source::{Document, Opening};
 use crate::watch::{Changed, Watch};
 use eframe::egui::{self, TextureOptions};
-use rutilant_formats::Look;
 use rutilant_formats::camera::FocusOn;
+use rutilant_formats::{CameraChoice, Look};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,8 +20,10 @@ impl Window {
     pub(super) fn open(&mut self, file: Option<PathBuf>, again: bool) {
         let mut reading = self.reading.clone();
         if !again && self.document.is_some() {
-            // What the command line said was said of its own scene.
-            (reading.camera, reading.size) = (None, None);
+            // What the command line said was said of its own scene; but a sky is there to see any
+            // scene by.
+            (reading.camera, reading.size) = (CameraChoice::First, None);
+            (reading.variant, reading.at_time) = (None, None);
             reading.adjust = Arc::new(|_| {});
         }
         self.tried = (file.clone(), again);

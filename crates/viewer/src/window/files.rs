@@ -2,7 +2,7 @@
 
 use super::state::{Dialog, Saved, Window, Work};
 use crate::picture::samples_of;
-use crate::source::{named_from, text_of};
+use crate::source::text_of;
 use eframe::egui;
 use rutilant::display::Display;
 use rutilant::image::Image;
@@ -10,7 +10,7 @@ use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::ImageId;
 use rutilant::settings::Settings;
 use rutilant_formats::image::{Format, Pixels, WriteOptions};
-use rutilant_formats::replace_file;
+use rutilant_formats::{named_from, replace_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -14,13 +14,14 @@ use eframe::egui::{
 };
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use rutilant::color::Rgb;
 use rutilant::image::Image;
 use rutilant::light::Environment;
 use rutilant::{Prepared, Session};
 use rutilant_formats::Look;
 use rutilant_formats::camera::{AngleOfView, CameraKind, FocusOn};
 use rutilant_formats::image::WriteOptions;
-use rutilant_formats::{Limits, ReadOptions, read_scene};
+use rutilant_formats::{CameraChoice, Limits, ReadOptions, SkyChoice, read_scene};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -99,7 +100,8 @@ impl Desk {
                     strict: false,
                     variant: None,
                     at_time: None,
-                    camera: None,
+                    camera: CameraChoice::First,
+                    sky: SkyChoice::Own,
                     size: None,
                     adjust: Arc::new(|_| {}),
                 };
@@ -677,6 +679,41 @@ fn the_command_line_is_not_saved() {
         w.document.as_ref().and_then(|d| d.file.as_ref()).is_some_and(|f| f.ends_with("other.toml"))
     });
     assert_eq!((desk.look().settings.size, desk.look().settings.spp), ([48, 36], 6));
+}
+
+/// A sky and a camera that the command line asked for are not written into the scene, but what is
+/// done to them in the window is.
+#[test]
+fn a_sky_that_was_asked_for_is_not_saved() {
+    let mut desk = Desk::with(SCENE, |reading| {
+        reading.camera = CameraChoice::Auto;
+        reading.sky = SkyChoice::Even(Rgb([3.0, 2.0, 1.0]));
+    });
+    desk.until("a picture", Window::is_settled);
+    let asked = desk.look();
+    assert_eq!(asked.environment, Some(Environment::constant(Rgb([3.0, 2.0, 1.0]))));
+    let own = read_scene(&desk.file(), &ReadOptions::default()).unwrap().look();
+    assert_ne!(asked.camera, own.camera);
+    let saved = |desk: &mut Desk| {
+        desk.harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+        desk.until("a saved file", |w| !w.is_changed() || w.trouble.is_some());
+        assert_eq!(desk.window().trouble, None);
+        read_scene(&desk.file(), &ReadOptions::default()).unwrap().look()
+    };
+    desk.window_mut().edit(|look| look.settings.seed = 7);
+    let first = saved(&mut desk);
+    assert_eq!((first.environment, first.camera), (own.environment, own.camera));
+    assert_eq!(first.settings.seed, 7);
+
+    desk.window_mut().edit(|look| {
+        look.environment.as_mut().unwrap().scale = 2.0;
+        look.camera.position.y += 1.0;
+    });
+    let second = saved(&mut desk);
+    let sky = Environment { scale: 2.0, ..asked.environment.unwrap() };
+    assert_eq!(second.environment, Some(sky));
+    let moved = asked.camera.position + 1.0 * rutilant_geom::Vec3::Y;
+    assert_eq!(second.camera.position, moved);
 }
 
 /// A scene that cannot be read when the window opens is read once it is mended.

@@ -15,11 +15,10 @@ use super::texture::{Filter, ImageBytes, TextureRef, UvTransform, Wrap as Writte
 use super::uri;
 use crate::camera::{AuthoredCamera, CameraKind};
 use crate::error::{SceneError, Source};
-use crate::options::ReadOptions;
+use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
 use crate::scene::files::Files;
-use crate::scene::framing::{bounds_of_all, frame_all};
-use crate::scene::loaded::{LoadedScene, camera_named};
+use crate::scene::loaded::{LoadedScene, camera_for_all, camera_named};
 use crate::scene::pictures::{self, Pictures, Wanted};
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
@@ -372,7 +371,7 @@ impl Maker<'_> {
         self.scene.bitmaps =
             self.pictures.read(&options.limits, options.strict, &mut self.notes)?;
         // What glows is shown glowing, and is no lamp to those who made the file.
-        if self.scene.lights.is_empty() {
+        if self.scene.lights.is_empty() && *options.sky == SkyChoice::Own {
             self.scene.environment = Some(Environment::constant(Rgb::WHITE));
             self.notes.push(format!(
                 "{}: there is no light in it: an even white sky stands in",
@@ -383,21 +382,18 @@ impl Maker<'_> {
         for (number, world) in placed.iter().filter_map(|p| Some((p.camera?, &p.world_from_node))) {
             cameras.extend(self.camera(number, world));
         }
-        if cameras.is_empty() {
-            let chosen = frame_all(&self.scene, size).ok_or_else(|| {
-                if bounds_of_all(&self.scene).is_empty() {
-                    invalid("there is nothing to see in it")
-                } else {
-                    invalid(bare::TOO_LARGE)
-                }
-            })?;
-            cameras.push(chosen.authored);
-            self.notes.push(format!(
-                "{}: there is no camera in it: one was chosen that sees everything",
-                self.path.display()
-            ));
+        let mut camera = camera_named(&cameras, self.path, options)?;
+        let auto = *options.camera == CameraChoice::Auto;
+        if cameras.is_empty() || auto {
+            camera = cameras.len();
+            cameras.push(camera_for_all(&self.scene, size, self.path)?.authored);
+            if !auto {
+                self.notes.push(format!(
+                    "{}: there is no camera in it: one was chosen that sees everything",
+                    self.path.display()
+                ));
+            }
         }
-        let camera = camera_named(&cameras, self.path, options)?;
         self.scene.camera = cameras[camera].camera(size).map_err(|e| invalid(&e.to_string()))?;
         self.scene.validate().map_err(|e| invalid(&e.to_string()))?;
         let mut files = self.document.files.clone();

@@ -30,7 +30,7 @@ use super::loaded::LoadedScene;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
-use crate::options::ReadOptions;
+use crate::options::{CameraChoice, ReadOptions};
 use document::Document;
 use draft::Draft;
 use rutilant::scene::Place;
@@ -109,7 +109,8 @@ fn parse_here(
     }
     draft.places.extend(render.map(|table| (Place::Settings, table)));
     settings.validate().map_err(|problem| draft.locate(&root, &problem))?;
-    let (mut cameras, camera) = camera::read_all(&root, settings.size, file, options, &mut draft)?;
+    let (mut cameras, mut camera) =
+        camera::read_all(&root, settings.size, file, options, &mut draft)?;
 
     // What there is. Textures come before the materials that name them, these before the shapes.
     for table in root.or("texture", |v| v.tables("[[texture]]"), Vec::new())? {
@@ -126,18 +127,25 @@ fn parse_here(
     for table in root.or("shape", |v| v.tables("[[shape]]"), Vec::new())? {
         shape::read(&table, &mut draft)?;
     }
-    if cameras.is_empty() {
+    let auto = *options.camera == CameraChoice::Auto;
+    if cameras.is_empty() || auto {
         let size = options.size.unwrap_or(settings.size);
+        let missing = if auto { "no camera can be chosen: " } else { "there is no [camera], and " };
         let chosen = frame_all(&draft.scene, size).ok_or_else(|| {
             root.invalid(if bounds_of_all(&draft.scene).is_empty() {
-                "there is no [camera], and no shape that one could be turned to".to_owned()
+                format!("{missing}no shape that one could be turned to")
             } else {
-                format!("there is no [camera], and what is there cannot have one: {TOO_LARGE}")
+                format!("{missing}what is there cannot have one: {TOO_LARGE}")
             })
         })?;
         draft.scene.camera = chosen.camera;
+        draft.places.remove(&Place::Camera);
+        camera = cameras.len();
         cameras.push(chosen.authored);
-        draft.notes.push(root.note("there is no [camera]: one was chosen that sees all shapes"));
+        if !auto {
+            let note = root.note("there is no [camera]: one was chosen that sees all shapes");
+            draft.notes.push(note);
+        }
     }
 
     // Whether all of it makes sense. Pictures come last, because they can take long to read.

@@ -337,7 +337,7 @@ fn verify(
     order: &Order,
 ) -> Result<(), SceneError> {
     // The camera may have another name now.
-    let options = ReadOptions { camera: None, ..*options };
+    let options = ReadOptions { camera: Default::default(), ..*options };
     let read = super::parse(written, file, &options).map_err(|error| {
         refused(file, format!("with these changes it would be refused: {}", error.kind))
     })?;
