@@ -6,8 +6,8 @@ use rutilant::color::Rgb;
 use rutilant::material::{MaterialKind, Matte, Opacity, OpacityMode};
 use rutilant::scene::{BitmapId, Scene, TextureId};
 use rutilant::texture::{
-    Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput,
-    Texels, Texture, UvMapping, Wrap,
+    Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Noise,
+    ScalarInput, Texels, Texture, UvMapping, Wrap,
 };
 use rutilant_formats::image::{Pixels, WriteOptions, write};
 use rutilant_formats::{Limits, LoadedScene, ReadOptions, read_scene};
@@ -70,6 +70,17 @@ name = "board"
 type = "checker"
 first = [1, 0, 0]
 uv_scale = 4
+[[texture]]
+name = "wall"
+type = "bricks"
+second = 0.5
+joint = [0.1, 0.2]
+shift = 0.25
+[[texture]]
+name = "clouds"
+type = "noise"
+octaves = 3
+gain = 0.75
 [[material]]
 name = "a"
 type = "matte"
@@ -107,6 +118,20 @@ opacity = { texture = "all", channel = "red", factor = 0.5, cutoff = 0.25, verte
         plain.into(),
         all.into(),
         Texture::Checker(Checker { first, second, mapping }),
+        Texture::Bricks(Bricks {
+            first: Rgb::grey(0.2),
+            second: Rgb::grey(0.5),
+            joint: Vec2::new(0.1, 0.2),
+            shift: 0.25,
+            mapping: UvMapping::default(),
+        }),
+        Texture::Noise(Noise {
+            first: Rgb::grey(0.2),
+            second: Rgb::grey(0.8),
+            octaves: 3,
+            gain: 0.75,
+            mapping: UvMapping::default(),
+        }),
         plain.into(),
     ];
     assert_eq!(scene.textures, expected);
@@ -116,7 +141,7 @@ opacity = { texture = "all", channel = "red", factor = 0.5, cutoff = 0.25, verte
         vertex_colors,
     };
     assert_eq!(matte(scene, 0).albedo, input(0.5, 1, true));
-    assert_eq!(matte(scene, 1).albedo, input(1.0, 3, false));
+    assert_eq!(matte(scene, 1).albedo, input(1.0, 5, false));
     let amount = ScalarInput { factor: 0.5, texture: Some((TextureId(1), Channel::Red)) };
     let mode = OpacityMode::Mask { cutoff: 0.25 };
     assert_eq!(scene.materials[1].opacity, Some(Opacity { amount, vertex_colors: true, mode }));

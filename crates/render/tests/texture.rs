@@ -18,8 +18,8 @@ use rutilant::scene::{Scene, TextureId};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::texture::{
-    Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput,
-    Texels, Texture, UvMapping, Wrap,
+    Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Noise,
+    ScalarInput, Texels, Texture, UvMapping, Wrap,
 };
 
 /// Under a white sky, looked at along −z, two metres wide and high.
@@ -296,6 +296,42 @@ fn boards_have_squares() {
     let image = render(&scene, Settings { size: [4, 4], filter: PIXEL, integrator, ..small(16) });
     let row = |first| if first { [BLUE, RED, BLUE, RED] } else { [RED, BLUE, RED, BLUE] };
     assert_eq!(tenths(&image), [true, false, true, false].map(row).concat());
+}
+
+/// Bricks lie in rows, each moved against the one below, between joints of the width that is said.
+#[test]
+fn bricks_lie_in_rows() {
+    let mut scene = scene();
+    let (first, second) = (Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0));
+    // Two bricks wide and two high on the square; with a joint of half a brick along x, each has a
+    // quarter of joint on either side.
+    let mapping = UvMapping { scale: Vec2::splat(2.0), ..UvMapping::default() };
+    let bricks = Bricks { first, second, joint: Vec2::new(0.5, 0.0), shift: 0.5, mapping };
+    let texture = scene.add_texture(bricks);
+    let material = scene.add_material(Matte::new(texture));
+    scene.objects.push(Object::new(SQUARE, material));
+    let integrator = IntegratorKind::Albedo;
+    let image = render(&scene, Settings { size: [8, 8], filter: PIXEL, integrator, ..small(4) });
+    // The lower row begins with a joint, the upper one with the second half of a brick.
+    let (upper, lower) = ([BLUE, RED, RED, BLUE], [RED, BLUE, BLUE, RED]);
+    let row = |row: [[i32; 3]; 4]| [row, row].concat();
+    let rows = [vec![row(upper); 4], vec![row(lower); 4]].concat();
+    assert_eq!(tenths(&image), rows.concat());
+}
+
+/// A rough picture of noise, of which each pixel sees much, is its mean; so is what light sampling
+/// and roulette take for it.
+#[test]
+fn noise_fades_to_its_mean() {
+    let mut scene = scene();
+    let (first, second) = (Rgb::new(0.2, 0.0, 1.0), Rgb::new(0.6, 1.0, 0.0));
+    let mapping = UvMapping { scale: Vec2::splat(1000.0), ..UvMapping::default() };
+    let texture = scene.add_texture(Noise { first, second, octaves: 5, gain: 0.7, mapping });
+    let material = scene.add_material(Matte::new(texture));
+    scene.objects.push(Object::new(SQUARE, material));
+    let integrator = IntegratorKind::Albedo;
+    let image = render(&scene, Settings { size: [4, 4], filter: PIXEL, integrator, ..small(4) });
+    assert_eq!(tenths(&image), [[4, 5, 5]; 16]);
 }
 
 /// Coordinates beyond the edges wrap as the texture says.

@@ -3,13 +3,13 @@
 use super::prepared::{Prepared, PreparedObject, Vertex};
 use crate::bsdf::PrincipledParameters;
 use crate::camera::PreparedCamera;
-use crate::color::Spectrum;
+use crate::color::{Rgb, Spectrum};
 use crate::material::Principled;
 use crate::problem::{Note, Place};
 use crate::scene::{Scene, TextureId};
 use crate::texture::{
-    Bitmap, Channel, Checker, ColorInput, Encoding, ImageTexture, PreparedMapping, Pyramid,
-    ScalarInput, Texels, Texture,
+    Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Noise, PreparedMapping,
+    Pyramid, ScalarInput, Texels, Texture,
 };
 use rayon::prelude::*;
 use rutilant_geom::{Hit, Ray, Vec2, Vec3};
@@ -19,8 +19,25 @@ use std::sync::Arc;
 /// A texture to be looked at.
 #[derive(Clone, Debug)]
 pub(super) enum PreparedTexture {
-    Image { pyramid: Arc<Pyramid>, image: ImageTexture, mapping: PreparedMapping },
-    Checker { checker: Checker, mapping: PreparedMapping },
+    Image {
+        pyramid: Arc<Pyramid>,
+        image: ImageTexture,
+        mapping: PreparedMapping,
+    },
+    /// Two colours, and what says how much of the second there is.
+    Pattern {
+        colors: [Rgb; 2],
+        pattern: Pattern,
+        mapping: PreparedMapping,
+    },
+}
+
+/// What mixes two colours.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pattern {
+    Checker(Checker),
+    Bricks(Bricks),
+    Noise(Noise),
 }
 
 /// All textures of a scene.
@@ -53,7 +70,7 @@ impl PreparedTextures {
                         wanted.push(one);
                     }
                 }
-                Texture::Checker(_) => {}
+                Texture::Checker(_) | Texture::Bricks(_) | Texture::Noise(_) => {}
             }
         }
         let known = before.map_or(&[][..], |before| &before.pyramids);
@@ -79,9 +96,21 @@ impl PreparedTextures {
                     mapping: image.mapping.prepare(),
                 }
             }
-            Texture::Checker(checker) => {
-                PreparedTexture::Checker { checker: *checker, mapping: checker.mapping.prepare() }
-            }
+            Texture::Checker(checker) => PreparedTexture::Pattern {
+                colors: [checker.first, checker.second],
+                pattern: Pattern::Checker(*checker),
+                mapping: checker.mapping.prepare(),
+            },
+            Texture::Bricks(bricks) => PreparedTexture::Pattern {
+                colors: [bricks.first, bricks.second],
+                pattern: Pattern::Bricks(*bricks),
+                mapping: bricks.mapping.prepare(),
+            },
+            Texture::Noise(noise) => PreparedTexture::Pattern {
+                colors: [noise.first, noise.second],
+                pattern: Pattern::Noise(*noise),
+                mapping: noise.mapping.prepare(),
+            },
         };
         let textures = scene.textures.iter().enumerate().map(prepare).collect();
         Self { textures, pyramids }
@@ -186,13 +215,17 @@ impl PreparedTexture {
                 let width = width * mapping.scale;
                 pyramid.at(mapping.apply(uv), width, image.wrap, image.interpolation)
             }
-            Self::Checker { checker, mapping } => {
-                let (uv, _) = at.uv(mapping.set);
-                let Vec2 { x, y } = (2.0 * mapping.apply(uv)).floor();
-                // Half of an even number has no fraction.
-                let half = 0.5 * (x + y);
-                let [r, g, b] = if half == half.floor() { checker.first } else { checker.second }.0;
-                [r, g, b, 1.0]
+            Self::Pattern { colors, pattern, mapping } => {
+                let (uv, width) = at.uv(mapping.set);
+                let uv = mapping.apply(uv);
+                mixed(
+                    colors,
+                    match pattern {
+                        Pattern::Checker(checker) => checker.amount(uv),
+                        Pattern::Bricks(bricks) => bricks.amount(uv),
+                        Pattern::Noise(noise) => noise.amount(uv, width * mapping.scale),
+                    },
+                )
             }
         }
     }
@@ -200,13 +233,21 @@ impl PreparedTexture {
     fn mean(&self) -> [f32; 4] {
         match self {
             Self::Image { pyramid, .. } => pyramid.mean(),
-            Self::Checker { checker, .. } => {
-                let [r, g, b] =
-                    std::array::from_fn(|i| 0.5 * (checker.first.0[i] + checker.second.0[i]));
-                [r, g, b, 1.0]
-            }
+            Self::Pattern { colors, pattern, .. } => mixed(
+                colors,
+                match pattern {
+                    Pattern::Checker(_) | Pattern::Noise(_) => 0.5,
+                    Pattern::Bricks(bricks) => bricks.mean_amount(),
+                },
+            ),
         }
     }
+}
+
+/// Opaque, with so much of the second colour.
+fn mixed([first, second]: &[Rgb; 2], amount: f32) -> [f32; 4] {
+    let [r, g, b] = std::array::from_fn(|i| first.0[i] * (1.0 - amount) + second.0[i] * amount);
+    [r, g, b, 1.0]
 }
 
 /// How much of the scene a pixel shows, as far as textures need to know.

@@ -9,18 +9,22 @@
 //! right one, as in OBJ, Blender and Mitsuba.
 
 mod bitmap;
+mod bricks;
 mod checker;
 mod image;
 mod input;
 mod mapping;
+mod noise;
 mod pyramid;
 
 pub use bitmap::{Bitmap, Texels};
+pub use bricks::Bricks;
 pub use checker::Checker;
 pub use image::{Encoding, ImageTexture, Interpolation, Wrap};
 pub use input::{Channel, ColorInput, ScalarInput};
 pub(crate) use mapping::PreparedMapping;
 pub use mapping::UvMapping;
+pub use noise::Noise;
 pub(crate) use pyramid::Pyramid;
 
 use crate::problem::{Place, SceneProblem};
@@ -33,6 +37,10 @@ pub enum Texture {
     Image(ImageTexture),
     /// Squares of two colours.
     Checker(Checker),
+    /// Bricks between joints.
+    Bricks(Bricks),
+    /// A random pattern.
+    Noise(Noise),
 }
 
 impl Texture {
@@ -45,6 +53,8 @@ impl Texture {
         match self {
             Self::Image(image) => image.validate(place, bitmaps.len()),
             Self::Checker(checker) => checker.validate(place),
+            Self::Bricks(bricks) => bricks.validate(place),
+            Self::Noise(noise) => noise.validate(place),
         }
     }
 }
@@ -58,5 +68,17 @@ impl From<ImageTexture> for Texture {
 impl From<Checker> for Texture {
     fn from(checker: Checker) -> Self {
         Self::Checker(checker)
+    }
+}
+
+impl From<Bricks> for Texture {
+    fn from(bricks: Bricks) -> Self {
+        Self::Bricks(bricks)
+    }
+}
+
+impl From<Noise> for Texture {
+    fn from(noise: Noise) -> Self {
+        Self::Noise(noise)
     }
 }

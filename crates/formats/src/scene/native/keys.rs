@@ -46,7 +46,9 @@ pub(super) const ENVIRONMENT: &[&str] =
 pub(super) const ANY_TEXTURE: &[&str] =
     &["name", "type", "uv_scale", "uv_rotation_degrees", "uv_offset", "uv_set"];
 pub(super) const IMAGE_TEXTURE: &[&str] = &["image", "encoding", "wrap", "interpolation"];
-pub(super) const CHECKER: &[&str] = &["first", "second"];
+pub(super) const PATTERN: &[&str] = &["first", "second"];
+pub(super) const BRICKS: &[&str] = &["joint", "shift"];
+pub(super) const NOISE: &[&str] = &["octaves", "gain"];
 pub(super) const COLOR_INPUT: &[&str] = &["texture", "image", "factor", "vertex_colors"];
 
 pub(super) const SCALAR_INPUT: &[&str] = &["texture", "image", "channel", "factor"];
@@ -130,7 +132,9 @@ const PLACES: &[(&str, &[&str])] = &[
     ("[environment]", ENVIRONMENT),
     ("[[texture]]", ANY_TEXTURE),
     ("an image texture", IMAGE_TEXTURE),
-    ("a checker", CHECKER),
+    ("a checker, bricks or noise", PATTERN),
+    ("bricks", BRICKS),
+    ("noise", NOISE),
     ("a textured color", COLOR_INPUT),
     ("a textured number", SCALAR_INPUT),
     ("a normal map", NORMAL_MAP),
@@ -222,6 +226,14 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
     ("circle", "disk"),
     ("sun", "directional"),
     ("distant", "directional"),
+    ("brick", "bricks"),
+    ("tiles", "bricks"),
+    ("fbm", "noise"),
+    ("perlin", "noise"),
+    ("clouds", "noise"),
+    ("checkerboard", "checker"),
+    ("bitmap", "image"),
+    ("imagemap", "image"),
     ("latlong", "equirectangular"),
     ("lat-long", "equirectangular"),
     ("equal-area", "octahedral"),

@@ -11,8 +11,8 @@ use rutilant::color::Rgb;
 use rutilant::material::{NormalMap, Opacity, OpacityMode};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
-    Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput, UvMapping,
-    Wrap,
+    Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Noise,
+    ScalarInput, UvMapping, Wrap,
 };
 use rutilant_geom::Vec2;
 
@@ -20,9 +20,20 @@ use rutilant_geom::Vec2;
 enum Type {
     Image,
     Checker,
+    Bricks,
+    Noise,
 }
 
-const TYPES: &[(&str, Type)] = &[("image", Type::Image), ("checker", Type::Checker)];
+const TYPES: &[(&str, Type)] = &[
+    ("image", Type::Image),
+    ("checker", Type::Checker),
+    ("bricks", Type::Bricks),
+    ("noise", Type::Noise),
+];
+
+/// The usual colours of patterns.
+const DARK: Rgb = Rgb::grey(0.2);
+const LIGHT: Rgb = Rgb::grey(0.8);
 
 const ENCODINGS: &[(&str, Encoding)] = &[("srgb", Encoding::Srgb), ("linear", Encoding::Linear)];
 
@@ -72,13 +83,37 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
         }
         Type::Checker => {
             let table = table.named("a checker");
-            table.only(&[keys::ANY_TEXTURE, keys::CHECKER])?;
+            table.only(&[keys::ANY_TEXTURE, keys::PATTERN])?;
             let checker = Checker {
-                first: table.or("first", Value::color, Rgb::grey(0.2))?,
-                second: table.or("second", Value::color, Rgb::grey(0.8))?,
+                first: table.or("first", Value::color, DARK)?,
+                second: table.or("second", Value::color, LIGHT)?,
                 mapping: mapping(&table)?,
             };
             draft.add_texture(&table, called, checker)
+        }
+        Type::Bricks => {
+            let table = table.named("bricks");
+            table.only(&[keys::ANY_TEXTURE, keys::PATTERN, keys::BRICKS])?;
+            let bricks = Bricks {
+                first: table.or("first", Value::color, DARK)?,
+                second: table.or("second", Value::color, LIGHT)?,
+                joint: table.or("joint", one_or_two, Vec2::splat(0.05))?,
+                shift: table.or("shift", Value::number, 0.5)?,
+                mapping: mapping(&table)?,
+            };
+            draft.add_texture(&table, called, bricks)
+        }
+        Type::Noise => {
+            let table = table.named("noise");
+            table.only(&[keys::ANY_TEXTURE, keys::PATTERN, keys::NOISE])?;
+            let noise = Noise {
+                first: table.or("first", Value::color, DARK)?,
+                second: table.or("second", Value::color, LIGHT)?,
+                octaves: table.or("octaves", Value::whole, 6)?,
+                gain: table.or("gain", Value::number, 0.5)?,
+                mapping: mapping(&table)?,
+            };
+            draft.add_texture(&table, called, noise)
         }
     };
     draft.textures.insert(name, id);
@@ -104,14 +139,15 @@ fn wraps(value: &Value<'_>) -> Result<[Wrap; 2], SceneError> {
     each.try_into().map_err(|_| value.must_be(EXPECTED))
 }
 
+/// One number for both axes, or one for each.
+fn one_or_two(value: &Value<'_>) -> Result<Vec2, SceneError> {
+    if value.is_number() { value.number().map(Vec2::splat) } else { value.pair() }
+}
+
 fn mapping(table: &Table<'_>) -> Result<UvMapping, SceneError> {
-    let scale = |value: &Value<'_>| match value.is_number() {
-        true => value.number().map(Vec2::splat),
-        false => value.pair(),
-    };
     Ok(UvMapping {
         set: table.or("uv_set", Value::whole, 0)?,
-        scale: table.or("uv_scale", scale, Vec2::ONE)?,
+        scale: table.or("uv_scale", one_or_two, Vec2::ONE)?,
         rotation: table.or("uv_rotation_degrees", Value::number, 0.0)?.to_radians(),
         offset: table.or("uv_offset", Value::pair, Vec2::ZERO)?,
     })
