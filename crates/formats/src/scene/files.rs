@@ -156,7 +156,7 @@ fn starts_at_root(path: &Path) -> bool {
 }
 
 /// Whether a path names something above its start, or starts at a root.
-fn leaves(path: &Path) -> bool {
+pub(super) fn leaves(path: &Path) -> bool {
     let mut depth = 0_usize;
     path.components().any(|component| match component {
         Component::Prefix(_) | Component::RootDir => true,

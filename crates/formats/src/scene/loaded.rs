@@ -1,6 +1,7 @@
 //! What reading a scene gives.
 
 use super::nearest::nearest;
+use super::origins::Origins;
 use crate::camera::AuthoredCamera;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::options::ReadOptions;
@@ -31,6 +32,8 @@ pub struct LoadedScene {
     /// What the scene's own text calls its textures, by
     /// [`TextureId`](rutilant::scene::TextureId); those of mesh files, which follow, have no names.
     pub texture_names: Vec<TextureName>,
+    /// Where its pictures and meshes come from.
+    pub origins: Origins,
     /// What a person should know: what was missing, and what stands in for it. One line each,
     /// which begins with the file, and with the place in it where one is meant.
     pub notes: Vec<String>,

@@ -17,16 +17,19 @@ use std::path::Path;
 
 /// Meshes with the names of their materials, the materials, and what a person should know.
 type MeshReader = fn(&Path, &Limits, &Fence) -> Result<ObjScene, SceneError>;
+/// The same for the content of a file, without those that it names in turn.
+type BytesReader = fn(&[u8], &Path, &Limits) -> Result<ObjScene, SceneError>;
 
 /// Every kind of mesh file, by its extension.
-const MESHES: &[(&str, MeshReader)] = &[("obj", obj::read_within), ("ply", read_ply)];
+const MESHES: &[(&str, MeshReader, BytesReader)] =
+    &[("obj", obj::read_within, obj::read_bytes), ("ply", read_ply, read_ply_bytes)];
 
 /// What reads the mesh file at `path`; or what is wrong with its name.
-fn reader(path: &Path) -> Result<MeshReader, SceneErrorKind> {
+fn reader(path: &Path) -> Result<(MeshReader, BytesReader), SceneErrorKind> {
     let extension = file::extension(path);
-    let reader = MESHES.iter().find(|(name, _)| *name == extension);
-    reader.map(|(_, reader)| *reader).ok_or_else(|| {
-        let what = file::unknown_format("mesh", path, MESHES.iter().map(|(name, _)| *name));
+    let reader = MESHES.iter().find(|(name, _, _)| *name == extension);
+    reader.map(|&(_, file, bytes)| (file, bytes)).ok_or_else(|| {
+        let what = file::unknown_format("mesh", path, MESHES.iter().map(|(name, _, _)| *name));
         SceneErrorKind::Unsupported(what)
     })
 }
@@ -39,13 +42,30 @@ pub(super) fn read(
     fence: &Fence,
     misnamed: impl FnOnce(SceneErrorKind) -> SceneError,
 ) -> Result<ObjScene, SceneError> {
-    reader(path).map_err(misnamed)?(path, limits, fence)
+    reader(path).map_err(misnamed)?.0(path, limits, fence)
+}
+
+/// As [`read`], for the content of a file that carries all it needs; `path` is its name.
+pub(super) fn read_bytes(
+    bytes: &[u8],
+    path: &Path,
+    limits: &Limits,
+    misnamed: impl FnOnce(SceneErrorKind) -> SceneError,
+) -> Result<ObjScene, SceneError> {
+    reader(path).map_err(misnamed)?.1(bytes, path, limits)
 }
 
 /// A PLY file is an OBJ file with one mesh and no materials.
 fn read_ply(path: &Path, limits: &Limits, _: &Fence) -> Result<ObjScene, SceneError> {
-    let (mesh, notes) = ply::read(path, limits)?;
-    Ok(ObjScene { meshes: vec![(mesh, None)], notes, ..ObjScene::default() })
+    Ok(alone(ply::read(path, limits)?))
+}
+
+fn read_ply_bytes(bytes: &[u8], path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
+    Ok(alone(ply::read_bytes(bytes, path, limits)?))
+}
+
+fn alone((mesh, notes): (Mesh, Vec<String>)) -> ObjScene {
+    ObjScene { meshes: vec![(mesh, None)], notes, ..ObjScene::default() }
 }
 
 /// Takes a file's materials, with their textures, into a scene, and gives them by name. The pictures

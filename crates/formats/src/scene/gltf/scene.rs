@@ -20,6 +20,7 @@ use crate::scene::bare;
 use crate::scene::files::Files;
 use crate::scene::framing::{bounds_of_all, frame_all};
 use crate::scene::loaded::{LoadedScene, camera_named};
+use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
@@ -142,6 +143,7 @@ impl Maker<'_> {
             LightKind::Directional => Light::Directional { direction, irradiance: rgb },
             LightKind::Point => Light::Point { position, intensity: rgb },
             LightKind::Spot { inner, outer } => {
+                let [inner, outer] = [inner, outer].map(in_degrees);
                 Light::Spot { position, direction, light: SpotLight::Intensity(rgb), inner, outer }
             }
         });
@@ -289,7 +291,7 @@ impl Maker<'_> {
         }
         if let Some(anisotropy) = &written.anisotropy {
             made.anisotropy = anisotropy.strength;
-            made.anisotropy_rotation = anisotropy.rotation;
+            made.anisotropy_rotation = in_degrees(anisotropy.rotation);
         }
         if made.has_inside() && made.ior > MOST_ROUGH_IOR {
             made.ior = MOST_ROUGH_IOR;
@@ -352,8 +354,10 @@ impl Maker<'_> {
             }
             ImageBytes::Here(bytes) => {
                 let name = format!("images[{number}]");
+                let title = if image.name.is_empty() { &name } else { &image.name }.clone();
                 let bytes = Arc::clone(bytes);
-                self.pictures.want(Wanted { from: pictures::From::Bytes { name, bytes }, at })
+                let from = pictures::From::Bytes { name, title, bytes };
+                self.pictures.want(Wanted { from, at })
             }
         };
         self.images.insert(number, id);
@@ -410,6 +414,7 @@ impl Maker<'_> {
             camera,
             image_names: Vec::new(),
             texture_names: Vec::new(),
+            origins: Origins { bitmaps: self.pictures.origins(), ..Origins::default() },
             notes: self.notes,
             files,
             lines: Default::default(),
@@ -468,11 +473,18 @@ fn mesh_of(primitive: &Primitive, name: &str) -> Mesh {
 /// More sets of texture coordinates than this are not taken.
 const MOST_SETS: usize = 16;
 
+/// The angle that stands nearest to one in radians, among those that are a number of degrees: so
+/// that a native scene can say it, to the bit.
+fn in_degrees(radians: f32) -> f32 {
+    radians.to_degrees().to_radians()
+}
+
 /// What a texture does to coordinates, with v turned over before and after. With F(u, v) = (u, 1 − v),
 /// a turn by −θ as [`UvTransform`] has it becomes one by θ.
 fn mapping_of(used: &TextureRef) -> UvMapping {
     let transform = &used.transform;
-    let (s, c) = real::sin_cos(transform.rotation);
+    let rotation = in_degrees(transform.rotation);
+    let (s, c) = real::sin_cos(rotation);
     let [scale_u, scale_v] = transform.scale;
     let [u, v] = transform.offset;
     // Where (0, 1), the document's lower left corner, goes.
@@ -480,7 +492,7 @@ fn mapping_of(used: &TextureRef) -> UvMapping {
     UvMapping {
         set: used.set,
         scale: Vec2::new(scale_u, scale_v),
-        rotation: transform.rotation,
+        rotation,
         offset: Vec2::new(corner.x, 1.0 - corner.y),
     }
 }

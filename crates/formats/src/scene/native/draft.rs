@@ -7,6 +7,7 @@ use crate::options::ReadOptions;
 use crate::scene::bare;
 use crate::scene::files::Files;
 use crate::scene::loaded::TextureName;
+use crate::scene::origins::{MeshOrigin, Origins};
 use crate::scene::pictures::Pictures;
 use crate::shown::shown;
 use rutilant::material::Material;
@@ -42,7 +43,9 @@ pub(super) struct Draft<'d> {
     pub(super) files: Files<'d>,
     /// What the scene calls its images.
     pub(super) image_names: Vec<String>,
-    /// Those that were read.
+    /// Where pictures and meshes come from.
+    pub(super) origins: Origins,
+    /// The files that were read.
     pub(super) read: Vec<PathBuf>,
     /// What may be read in all.
     limits: Limits,
@@ -74,6 +77,7 @@ impl<'d> Draft<'d> {
             grey: None,
             files: Files::beside(file, options),
             image_names: Vec::new(),
+            origins: Origins::default(),
             read: Vec::new(),
             limits: options.limits,
             left: options.limits,
@@ -103,12 +107,14 @@ impl<'d> Draft<'d> {
         &mut self,
         table: &Table<'d>,
         mesh: Mesh,
+        origin: MeshOrigin,
     ) -> Result<MeshId, SceneErrorKind> {
         let (left, limits) = (&mut self.left, &self.limits);
         let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
         spend("vertices", &mut left.vertices, vertices, limits.vertices)?;
         spend("triangles", &mut left.triangles, triangles, limits.triangles)?;
         self.places.insert(Place::Mesh(self.scene.meshes.len()), *table);
+        self.origins.meshes.push(origin);
         Ok(self.scene.add_mesh(mesh))
     }
 

@@ -7,9 +7,11 @@ use crate::error::SceneError;
 use crate::scene::framing::bounds_of;
 use crate::scene::mesh_file;
 use crate::scene::obj::ObjScene;
+use crate::scene::origins::MeshOrigin;
 use rutilant::scene::Place;
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{Aabb, Transform};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 #[derive(Clone, Copy)]
@@ -57,7 +59,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
     let material = table.must("material", |v| material::named(v, &draft.materials))?;
     let world_from_object = placing::transform(&table)?;
     for (place, moved) in instances::places(&table, draft)? {
-        let world_from_object = moved * world_from_object;
+        let world_from_object = placing::after(moved, world_from_object);
         let shape = shape.clone();
         draft.add_object(&place, Object { shape, material, world_from_object })?;
     }
@@ -83,11 +85,13 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
     };
 
     let fitted = table.maybe("fit", |value| placing::fit(value, mesh.bounds))?;
-    let world_from_object = placing::transform(table)? * fitted.unwrap_or(Transform::IDENTITY);
+    let fitted = fitted.unwrap_or(Transform::IDENTITY);
+    let world_from_object = placing::after(placing::transform(table)?, fitted);
     for (place, moved) in instances::places(table, draft)? {
         for &(mesh, own) in &mesh.parts {
             let material = own.or(backup).ok_or_else(|| table.missing("material"))?;
-            let (shape, world_from_object) = (Shape::Mesh(mesh), moved * world_from_object);
+            let world_from_object = placing::after(moved, world_from_object);
+            let shape = Shape::Mesh(mesh);
             draft.add_object(&place, Object { shape, material, world_from_object })?;
         }
     }
@@ -111,7 +115,7 @@ fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, Scen
     }
     let bounds = bounds_of(&mesh.positions);
     let mesh = smoothed(mesh, crease(table)?, table, &mut draft.notes);
-    let id = draft.add_mesh(table, mesh).map_err(|kind| table.error(kind))?;
+    let id = draft.add_mesh(table, mesh, MeshOrigin::Text).map_err(|kind| table.error(kind))?;
     Ok(MeshFile { parts: vec![(id, None)], bounds, without_material: None })
 }
 
@@ -176,16 +180,29 @@ fn from_file<'d>(
     for key in ["triangles", "normals", "uvs"] {
         table.at_most_one(&["file", key])?;
     }
-    let found = draft.files.find(value.text()?).map_err(|what| value.invalid(what))?;
+    let name = value.text()?;
+    let embedded = draft.files.embedded(name);
+    let (path, identity) = match embedded {
+        Some(_) => (PathBuf::from(name), PathBuf::from(name)),
+        None => {
+            let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
+            (found.path, found.identity)
+        }
+    };
     let crease = crease(table)?;
-    let key = (found.identity, crease.map(f32::to_bits));
+    let key = (identity, crease.map(f32::to_bits));
     if let Some(known) = draft.mesh_files.get(&key) {
         return Ok(Rc::clone(known));
     }
-    let file =
-        mesh_file::read(&found.path, &draft.left, &draft.files.fence, |kind| value.error(kind))?;
-    draft.read.push(key.0.clone());
-    let read = Rc::new(take_in(file, crease, value, table, draft)?);
+    let misnamed = |kind| value.error(kind);
+    let file = match embedded {
+        Some(bytes) => mesh_file::read_bytes(bytes, &path, &draft.left, misnamed)?,
+        None => {
+            draft.read.push(key.0.clone());
+            mesh_file::read(&path, &draft.left, &draft.files.fence, misnamed)?
+        }
+    };
+    let read = Rc::new(take_in(file, &key.0, crease, value, table, draft)?);
     draft.mesh_files.insert(key, Rc::clone(&read));
     Ok(read)
 }
@@ -193,6 +210,7 @@ fn from_file<'d>(
 /// Takes the contents of a mesh file into the scene.
 fn take_in<'d>(
     mut file: ObjScene,
+    identity: &Path,
     crease: Option<f32>,
     value: &Value<'d>,
     table: &Table<'d>,
@@ -210,12 +228,20 @@ fn take_in<'d>(
     draft.notes.extend(file.notes);
     let without_material = mesh_file::without_material(&file.meshes, &materials);
 
+    let origin = match (&file.meshes[..], materials.is_empty()) {
+        ([(mesh, _)], true) => {
+            let crease = crease.filter(|_| mesh.normals.is_empty());
+            MeshOrigin::File { path: identity.to_owned(), crease }
+        }
+        (_, _) => MeshOrigin::Made,
+    };
     let mut bounds = Aabb::EMPTY;
     let mut parts = Vec::with_capacity(file.meshes.len());
     for (mesh, name) in file.meshes {
         bounds = bounds.union(bounds_of(&mesh.positions));
         let mesh = smoothed(mesh, crease, table, &mut draft.notes);
-        let id = draft.add_mesh(table, mesh).map_err(|kind| value.error(kind))?;
+        let origin = origin.clone();
+        let id = draft.add_mesh(table, mesh, origin).map_err(|kind| value.error(kind))?;
         parts.push((id, name.and_then(|name| materials.get(&name).copied())));
     }
     Ok(MeshFile { parts, bounds, without_material })

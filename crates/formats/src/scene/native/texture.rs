@@ -11,8 +11,8 @@ use rutilant::color::Rgb;
 use rutilant::material::{NormalMap, Opacity, OpacityMode};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
-    Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput, UvMapping,
-    Wrap,
+    Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput, Texture,
+    UvMapping, Wrap,
 };
 use rutilant_geom::Vec2;
 
@@ -38,6 +38,10 @@ const CHANNELS: &[(&str, Channel)] = &[
     ("blue", Channel::Blue),
     ("alpha", Channel::Alpha),
 ];
+
+/// The usual squares of a checker.
+const FIRST: f32 = 0.2;
+const SECOND: f32 = 0.8;
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
     let name = table.must("name", |value| {
@@ -74,8 +78,8 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
             let table = table.named("a checker");
             table.only(&[keys::ANY_TEXTURE, keys::CHECKER])?;
             let checker = Checker {
-                first: table.or("first", Value::color, Rgb::grey(0.2))?,
-                second: table.or("second", Value::color, Rgb::grey(0.8))?,
+                first: table.or("first", Value::color, Rgb::grey(FIRST))?,
+                second: table.or("second", Value::color, Rgb::grey(SECOND))?,
                 mapping: mapping(&table)?,
             };
             draft.add_texture(&table, called, checker)
@@ -221,6 +225,55 @@ fn named(value: &Value<'_>, draft: &Draft<'_>) -> Result<TextureId, SceneError> 
         known.sort_unstable();
         value.unknown("texture", name, known)
     })
+}
+
+/// The keys that say all of a texture called `name`; `pictures` are the names of all pictures, by
+/// [`BitmapId`](rutilant::scene::BitmapId).
+pub(super) fn keys_of(name: &str, texture: &Texture, pictures: &[String]) -> Vec<Group> {
+    let mut groups = vec![Group::one(&["name"], said::text(name))];
+    let mapping = match texture {
+        Texture::Image(image) => {
+            let file = pictures.get(image.bitmap.0 as usize).map_or("", String::as_str);
+            let [u, v] = image.wrap.map(|wrap| said::name(WRAPS, &wrap));
+            let wrap = if u == v { u } else { said::numbers([u, v]) };
+            groups.extend([
+                Group::one(&["image"], said::text(file)),
+                Group::or(
+                    &["encoding"],
+                    said::name(ENCODINGS, &image.encoding),
+                    &said::name(ENCODINGS, &Encoding::Srgb),
+                ),
+                Group::or(&["wrap"], wrap, &said::name(WRAPS, &Wrap::Repeat)),
+                Group::or(
+                    &["interpolation"],
+                    said::name(INTERPOLATIONS, &image.interpolation),
+                    &said::name(INTERPOLATIONS, &Interpolation::Bilinear),
+                ),
+            ]);
+            image.mapping
+        }
+        Texture::Checker(checker) => {
+            groups.extend([
+                Group::one(&["type"], said::text("checker")),
+                Group::or(&["first"], color(checker.first), &number(FIRST)),
+                Group::or(&["second"], color(checker.second), &number(SECOND)),
+            ]);
+            checker.mapping
+        }
+    };
+    let UvMapping { set, scale: Vec2 { x, y }, rotation, offset } = mapping;
+    let scale = match x.to_bits() == y.to_bits() {
+        true => number(x),
+        false => said::numbers([x, y].map(number)),
+    };
+    let offset = said::numbers(offset.to_array().map(number));
+    groups.extend([
+        Group::or(&["uv_set"], set.to_string(), "0"),
+        Group::or(&["uv_scale"], scale, "1"),
+        Group::or(&["uv_rotation_degrees"], said::degrees(rotation), "0"),
+        Group::or(&["uv_offset"], offset, "[0, 0]"),
+    ]);
+    groups
 }
 
 /// A key with a colour that may be textured. `usual` is what is meant where the key is not there.
