@@ -10,7 +10,7 @@ mod names;
 mod objects;
 mod same;
 
-use super::said::{self, Group, Said, Written, number, numbers, triple};
+use super::said::{self, Group, Written, number, numbers, triple};
 use super::{camera, environment, light, material, placing, render, texture};
 use crate::camera::AuthoredCamera;
 use crate::converted::{Content, Converted};
@@ -22,8 +22,9 @@ use crate::scene::origins::MeshOrigin;
 use crate::scene::ply;
 use crate::shown::shown;
 use assets::Assets;
+use rutilant::light::EnvironmentLight;
 use rutilant::material::{Material, MaterialKind};
-use rutilant::scene::{BitmapId, ImageId, MeshId, Scene, TextureId};
+use rutilant::scene::{BitmapId, ImageId, MeshId, Scene};
 use rutilant::shape::{Mesh, Shape};
 use rutilant::texture::{Encoding, ImageTexture, Texture};
 use rutilant_geom::{Transform, Vec2, Vec3};
@@ -303,7 +304,6 @@ impl Writer<'_> {
 
     /// The names of the pictures of the sky, by their numbers.
     fn skies(&mut self) -> Result<Vec<String>, SceneError> {
-        use rutilant::light::EnvironmentLight;
         let mut names = vec![String::new(); self.scene.images.len()];
         let ImageId(used) = match self.scene.environment.map(|sky| sky.light) {
             Some(EnvironmentLight::Image { image, .. }) => image,

@@ -37,7 +37,7 @@ pub(super) fn difference(read: &LoadedScene, meant: &Meant<'_>) -> Option<String
     if !alike(&read.settings, &settings) || !alike(&read.display, &meant.loaded.display) {
         return Some("what [render] says".to_owned());
     }
-    if !alike(&read.cameras, &meant.cameras) || !alike(&is.camera, &was.camera) {
+    if !alike(&read.cameras.as_slice(), &meant.cameras) || !alike(&is.camera, &was.camera) {
         return Some("a camera".to_owned());
     }
 
