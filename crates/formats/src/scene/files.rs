@@ -61,6 +61,11 @@ impl<'o> Files<'o> {
         }
     }
 
+    /// Where a file called `name` would stand.
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
     /// The bytes carried along under `name`.
     pub(super) fn embedded(&self, name: &str) -> Option<&'o [u8]> {
         self.embedded.iter().find(|(n, _)| *n == name).map(|(_, bytes)| *bytes)

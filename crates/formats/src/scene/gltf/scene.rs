@@ -36,7 +36,7 @@ use rutilant::texture::{
 };
 use rutilant_geom::{Transform, Vec2, Vec3, real};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads a `.gltf` or `.glb` file as a scene.
@@ -46,19 +46,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     let moment = options.at_time.map(|seconds| Moment { animation: 0, seconds });
     let pose = document.pose(moment);
     let placed = document.placed(None, &pose)?;
-    let mut maker = Maker {
-        document: &document,
-        path,
-        variant,
-        scene: bare::empty(),
-        pictures: Pictures::default(),
-        files: Files::beside(path, options),
-        images: HashMap::new(),
-        textures: HashMap::new(),
-        materials: HashMap::new(),
-        meshes: HashMap::new(),
-        notes: document.notes.clone(),
-    };
+    let mut maker = Maker::new(&document, path, variant, options);
     for placed in &placed {
         maker.place(placed, &pose);
     }
@@ -66,6 +54,59 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         maker.add_light(light.0, light.1);
     }
     maker.finish(&placed, options)
+}
+
+/// What a document shows of things, to be put into another scene.
+pub(crate) struct Model {
+    /// Its meshes, materials, textures and objects; nothing else counts.
+    pub(crate) scene: Scene,
+    /// The pictures that the textures show.
+    pub(crate) pictures: Pictures,
+    /// Materials that stand in where the document names none.
+    pub(crate) stand_ins: Vec<MaterialId>,
+    /// What a person should know.
+    pub(crate) notes: Vec<String>,
+    /// The files that it is made of, beside those of pictures.
+    pub(crate) files: Vec<PathBuf>,
+}
+
+/// What the content of a `.gltf` or `.glb` file at `path` shows of things.
+pub(crate) fn model(
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<Model, SceneError> {
+    let document = super::read_bytes(bytes, path, options)?;
+    let pose = document.pose(None);
+    let placed = document.placed(None, &pose)?;
+    let mut maker = Maker::new(&document, path, None, options);
+    for placed in &placed {
+        maker.place(placed, &pose);
+    }
+    let lights = placed.iter().filter(|placed| placed.light.is_some()).count();
+    let cameras = placed.iter().filter(|placed| placed.camera.is_some()).count();
+    let mut notes = maker.notes;
+    let mut left_out = |count: usize, what: &str| {
+        if count > 0 {
+            let path = path.display();
+            notes.push(format!("{path}: as a mesh it has no {what}, left out: {count}"));
+        }
+    };
+    left_out(lights, "lights");
+    left_out(cameras, "cameras");
+    if maker.scene.objects.is_empty() {
+        let path = path.display();
+        notes.push(format!("{path}: there are no faces in it, so nothing of it can be seen"));
+    }
+    let mut stand_ins: Vec<_> = maker
+        .materials
+        .iter()
+        .filter_map(|((number, _), id)| number.is_none().then_some(*id))
+        .collect();
+    stand_ins.sort_unstable();
+    let Maker { scene, pictures, .. } = maker;
+    let files = document.files.clone();
+    Ok(Model { scene, pictures, stand_ins, notes, files })
 }
 
 /// A texture of the document, the set of coordinates, the bits of what is done to them, and what
@@ -90,7 +131,28 @@ struct Maker<'d> {
     notes: Vec<String>,
 }
 
-impl Maker<'_> {
+impl<'d> Maker<'d> {
+    fn new(
+        document: &'d Document,
+        path: &'d Path,
+        variant: Option<usize>,
+        options: &'d ReadOptions<'d>,
+    ) -> Self {
+        Self {
+            document,
+            path,
+            variant,
+            scene: bare::empty(),
+            pictures: Pictures::default(),
+            files: Files::beside(path, options),
+            images: HashMap::new(),
+            textures: HashMap::new(),
+            materials: HashMap::new(),
+            meshes: HashMap::new(),
+            notes: document.notes.clone(),
+        }
+    }
+
     /// Puts a node's mesh into the scene.
     fn place(&mut self, placed: &Placed, pose: &Pose) {
         let Some(number) = placed.mesh else { return };

@@ -14,7 +14,7 @@ use rutilant::material::Material;
 use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem, TextureId};
 use rutilant::shape::{Mesh, Object};
 use rutilant::texture::Texture;
-use rutilant_geom::Aabb;
+use rutilant_geom::{Aabb, Transform};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -55,12 +55,30 @@ pub(super) struct Draft<'d> {
 
 /// What a mesh file brought into the scene.
 pub(super) struct MeshFile {
-    /// Its parts, each with the material that the file gives it.
-    pub(super) parts: Vec<(MeshId, Option<MaterialId>)>,
+    /// What it is made of.
+    pub(super) parts: Vec<Part>,
     /// The box around all of it.
     pub(super) bounds: Aabb,
     /// What has no material, for people; `None` where everything has one or nothing has.
     pub(super) without_material: Option<String>,
+}
+
+/// A part of a mesh file.
+pub(super) struct Part {
+    pub(super) mesh: MeshId,
+    /// The material that the file gives it.
+    pub(super) own: Option<MaterialId>,
+    /// What it has where neither the file nor the shape gives it one.
+    pub(super) stand_in: Option<MaterialId>,
+    /// Where it stands in the file.
+    pub(super) file_from_part: Transform,
+}
+
+impl Part {
+    /// One that stands where its numbers say.
+    pub(super) fn new(mesh: MeshId, own: Option<MaterialId>) -> Self {
+        Self { mesh, own, stand_in: None, file_from_part: Transform::IDENTITY }
+    }
 }
 
 impl<'d> Draft<'d> {

@@ -49,8 +49,10 @@ pub(super) fn keys_of(world_from_object: &Transform, centered: bool) -> Group {
     }
     for degrees in (-11..=12).map(|step| 15.0 * step as f32) {
         for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-            if is_meant(Vec3::ONE, about_axes(axis * degrees)) {
-                let turn = Some(Said::new("rotate_degrees", triple(axis * degrees)));
+            // Without signs before zeros.
+            let turn = axis * degrees + Vec3::ZERO;
+            if is_meant(Vec3::ONE, about_axes(turn)) {
+                let turn = Some(Said::new("rotate_degrees", triple(turn)));
                 let says = [turn, translate()].into_iter().flatten().collect::<Vec<_>>();
                 return Group::of(PLACING, says);
             }

@@ -46,7 +46,7 @@ pub struct ConvertOptions {
 const MOST_PLACES: usize = 12;
 
 /// A mesh that the text wrote out is written out again if it has no more vertices or triangles.
-const MOST_WRITTEN: usize = 24;
+const MOST_WRITTEN: usize = 64;
 
 /// See [`convert`](crate::convert).
 pub(crate) fn convert(
@@ -417,16 +417,25 @@ fn is_small(mesh: &Mesh) -> bool {
 
 /// A mesh in numbers.
 fn written_out(mesh: &Mesh) -> Vec<Group> {
-    let triples = |all: &[Vec3]| numbers(all.iter().map(|v| triple(*v)));
+    let triples = |all: &[Vec3]| rows(all.iter().map(|v| triple(*v)).collect());
     let pair = |uv: &Vec2| numbers(uv.to_array().map(number));
-    let list = |all: &[Vec3]| (!all.is_empty()).then(|| triples(all));
-    let uvs = (!mesh.uvs.is_empty()).then(|| numbers(mesh.uvs.iter().map(pair)));
+    let normals = (!mesh.normals.is_empty()).then(|| triples(&mesh.normals));
+    let uvs = (!mesh.uvs.is_empty()).then(|| rows(mesh.uvs.iter().map(pair).collect()));
     vec![
         Group::one(&["positions"], triples(&mesh.positions)),
-        Group::one(&["triangles"], numbers(mesh.triangles.iter().map(|t| numbers(*t)))),
-        Group::maybe(&["normals"], list(&mesh.normals)),
+        Group::one(&["triangles"], rows(mesh.triangles.iter().map(|t| numbers(*t)).collect())),
+        Group::maybe(&["normals"], normals),
         Group::maybe(&["uvs"], uvs),
     ]
+}
+
+/// An array of arrays, four of them in a line.
+fn rows(entries: Vec<String>) -> String {
+    if entries.len() <= 4 {
+        return numbers(entries);
+    }
+    let lines = entries.chunks(4).map(|line| format!("    {},\n", line.join(", ")));
+    format!("[\n{}]", lines.collect::<String>())
 }
 
 /// The places of a shape, one in each line: three numbers where all are only moved, else twelve.
