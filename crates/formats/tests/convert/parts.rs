@@ -131,6 +131,6 @@ fn mistakes_in_documents_are_told() {
     let error = rutilant_formats::read_scene(&at("a.toml"), &Default::default());
     let error = error.expect_err("a mistake").to_string();
     let expected = "m.gltf: meshes[0].primitives[0].attributes.POSITION names accessor 7, but there \
-                    are only 1 (numbered from 0)";
+                    is only one (number 0)";
     assert!(error.ends_with(expected), "{error}");
 }
