@@ -7,6 +7,8 @@ mod builder;
 #[path = "../common/mod.rs"]
 mod common;
 mod documents;
+#[path = "../gltf/everything.rs"]
+mod everything;
 mod files;
 mod parts;
 mod scenes;

@@ -1,7 +1,7 @@
 //! Documents as meshes of a native scene.
 
 use crate::builder::Builder;
-use crate::documents::everything;
+use crate::everything::everything;
 use crate::{assert_same, converted, hash, read};
 use rutilant::geom::{Transform, Vec3};
 use rutilant::shape::{Object, Shape};

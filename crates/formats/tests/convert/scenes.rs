@@ -223,7 +223,7 @@ fn smoothed_meshes_survive() {
     };
     fs::write(at("grid.ply"), ply::to_bytes(&grid(6))).expect("written");
     let long = grid(7);
-    let points: Vec<_> = long.positions.iter().map(|p| p.to_array()).collect();
+    let points: Vec<_> = long.positions.iter().map(Vec3::to_array).collect();
     let text = format!(
         "version = 1\n[environment]\ncolor = 1\n[[material]]\nname = \"m\"\ntype = \"matte\"\n\
          [[shape]]\ntype = \"mesh\"\nfile = \"grid.ply\"\nsmooth_degrees = 33.3\nmaterial = \"m\"\n\

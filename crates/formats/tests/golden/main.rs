@@ -8,7 +8,13 @@
 //! The files of the repository are always read; those of other people are where `RUTILANT_DATA`
 //! names a folder that has `gltf` and `obj-mtl`.
 
-use rutilant::geom::Vec3;
+#[path = "../gltf/builder.rs"]
+#[allow(dead_code, reason = "each test file uses its part")]
+mod builder;
+#[path = "../gltf/everything.rs"]
+mod everything;
+
+use rutilant::geom::{Vec2, Vec3};
 use rutilant::shape::Shape;
 use rutilant_formats::{
     ConvertOptions, LoadedScene, PictureOrigin, ReadOptions, convert, read_scene,
@@ -72,7 +78,7 @@ fn dump(path: &Path, loaded: &LoadedScene) -> String {
     // Meshes, and where they stand.
     for mesh in &scene.meshes {
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
-        let points = mesh.positions.iter().flat_map(|p| p.to_array());
+        let points = mesh.positions.iter().flat_map(Vec3::to_array);
         write!(
             text,
             "mesh {:?}: {vertices} vertices {}, {triangles} triangles {}, {}",
@@ -87,10 +93,10 @@ fn dump(path: &Path, loaded: &LoadedScene) -> String {
                 write!(text, ", {name} {}", hash_of(numbers)).expect("text");
             }
         };
-        part("normals", mesh.normals.iter().flat_map(|n| n.to_array()).collect());
-        part("uvs", mesh.uvs.iter().flat_map(|uv| uv.to_array()).collect());
+        part("normals", mesh.normals.iter().flat_map(Vec3::to_array).collect());
+        part("uvs", mesh.uvs.iter().flat_map(Vec2::to_array).collect());
         for (i, uvs) in (1..).zip(&mesh.more_uvs) {
-            part(&format!("uvs {i}"), uvs.iter().flat_map(|uv| uv.to_array()).collect());
+            part(&format!("uvs {i}"), uvs.iter().flat_map(Vec2::to_array).collect());
         }
         part("tangents", mesh.tangents.as_flattened().to_vec());
         part("colors", mesh.colors.as_flattened().to_vec());
@@ -157,15 +163,81 @@ fn compare(files: &[(String, PathBuf)], golden: &str) {
     assert_eq!(text, expected, "{golden}");
 }
 
-/// The files that readers are tested with: each feature is in one of them.
+/// Materials of every kind that an .mtl file has, polygons, points from the end, and what is left out.
+const OBJ: &str = "mtllib room.mtl
+v -1 0 -1
+v 1 0 -1
+v 1 0 1
+v -1 0 1
+v 0 1.5 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+vn 0 1 0
+usemtl floor
+f 1/1/1 4/4/1 3/3/1 2/2/1
+usemtl gloss
+f 1/1 2/2 5/3
+usemtl glass
+f -4 -3 -1
+usemtl metal
+f 3 4 5
+usemtl lamp
+f 4 1 5
+usemtl mirror
+f 1 5 4
+l 1 2
+usemtl nothing
+f 2 1 5
+";
+
+const MTL: &str = "newmtl floor
+Kd 0.8 0.7 0.6
+map_Kd -s 2 3 1 -o 0.5 0 0 -clamp on squares.png
+newmtl gloss
+Kd 0.1 0.2 0.3
+Ks 0.4 0.4 0.4
+Ns 98
+illum 2
+newmtl glass
+d 0.1
+Ni 1.4
+Tf 0.9 0.5 0.5
+newmtl metal
+Kd 0.9 0.6 0.3
+Pm 1
+Pr 0.25
+aniso 0.5
+anisor 0.125
+newmtl lamp
+Ke 5 4 3
+map_Bump bumps.png
+newmtl mirror
+Ks 0.9 0.9 0.9
+illum 5
+map_Kd lost.png
+";
+
+/// Files of our own: each feature is in one of them.
 #[test]
 fn own_files_are_what_they_were() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
-    let mut all = files(&folder);
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("model.glb"), everything::everything().binary()).expect("written");
+    fs::write(at("model.gltf"), everything::everything().text()).expect("written");
+    fs::write(at("room.obj"), OBJ).expect("written");
+    fs::write(at("room.mtl"), MTL).expect("written");
+    fs::write(at("squares.png"), everything::png(7)).expect("written");
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
+    let mut all = files(&corpus);
+    // Those that are broken on purpose say little.
     all.retain(|(name, _)| {
-        ["gltf/", "native/", "obj/", "ply/"].iter().any(|kind| name.starts_with(kind))
+        ["gltf/", "obj/", "ply/"].iter().any(|kind| name.starts_with(kind))
+            && !name.contains("everything")
     });
-    assert!(all.len() >= 17, "{all:?}");
+    all.extend(files(folder.path()));
+    assert!(all.len() >= 15, "{all:?}");
     compare(&all, "own.txt");
 }
 
