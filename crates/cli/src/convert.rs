@@ -57,11 +57,17 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         return Err(Failure::usage(format!("{}: {what}", to.display())));
     }
     let options = ConvertOptions { copy: args.copy, limits: args.reading.limited.limits() };
-    let converted = convert(&loaded, &args.scene, to, &options).map_err(failure)?;
+    let converted = convert(&loaded, &args.scene, to, &options).map_err(|error| failure(&error))?;
     for note in &converted.notes {
         tell(&format!("note: {note}"));
     }
-    for path in converted.write(to, args.force).map_err(failure)? {
+    let written = converted.write(to, args.force).map_err(|error| {
+        let failure = failure(&error);
+        // The disk's failures are not to be forced.
+        let hint = if failure.exit == Exit::Usage { "; --force writes over it" } else { "" };
+        Failure { line: failure.line + hint, ..failure }
+    });
+    for path in written? {
         tell(&format!("wrote {}", path.display()));
     }
     Ok(Exit::Done)
@@ -75,7 +81,7 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
 }
 
 /// The disk's failures are told apart from those of the scene.
-fn failure(error: SceneError) -> Failure {
+fn failure(error: &SceneError) -> Failure {
     let exit = match error.kind {
         SceneErrorKind::Io(_) => Exit::Failed,
         _ => Exit::Usage,

@@ -67,7 +67,7 @@ impl Converted {
         let there: Vec<bool> =
             paths.iter().map(|path| fs::symlink_metadata(path).is_ok()).collect();
         if let (Some(first), false) = (there.iter().position(|there| *there), overwrite) {
-            let what = "there is such a file already, and it was not to be overwritten";
+            let what = "there is such a file already";
             return Err(SceneError::invalid_file(&paths[first], what));
         }
         let mut made = Made::default();
