@@ -151,8 +151,8 @@ pub fn native_for_mesh(
 /// `Settings::planned_spp` is not written.
 ///
 /// # Errors
-/// Custom shapes and materials, pictures that come from no file, and angles between those of two
-/// neighbouring numbers of degrees; a folder that is not there.
+/// A scene that is not sound; custom shapes and materials, pictures that come from no file, and
+/// angles between those of two neighbouring numbers of degrees; a folder that is not there.
 pub fn convert(
     loaded: &LoadedScene,
     from: &Path,

@@ -55,6 +55,8 @@ pub(crate) fn convert(
     to: &Path,
     options: &ConvertOptions,
 ) -> Result<Converted, SceneError> {
+    // Somebody may have changed it since it was read.
+    loaded.scene.validate().map_err(|problem| refused(from, problem.to_string()))?;
     can_be_said(&loaded.scene).map_err(|what| refused(from, what))?;
     let sources = loaded.files.iter().map(AsRef::as_ref).chain([from]);
     let mut writer = Writer {
