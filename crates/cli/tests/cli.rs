@@ -1081,6 +1081,8 @@ fn scenes_are_converted() {
     let wrote: Vec<&str> = ran.error.lines().filter(|line| line.starts_with("wrote ")).collect();
     assert_eq!(wrote.len(), 3, "{}", ran.error);
     assert_eq!(wrote[2], "wrote sent/two.toml");
+    let ran = desk.run("convert two.obj here.toml");
+    assert!(ran.error.contains("\nwrote here_assets/"), "{}", ran.error);
     assert_eq!(hash("sent/two.toml"), hash("two.obj"));
     for word in ["--force", "--copy", "Examples:", "Exit status"] {
         assert!(desk.run("convert --help").out.contains(word), "{word}");

@@ -62,7 +62,8 @@ impl Converted {
     /// not take a file ([`SceneErrorKind::Io`]).
     pub fn write(&self, to: &Path, overwrite: bool) -> Result<Vec<PathBuf>, SceneError> {
         let folder = file::folder(to);
-        let paths = self.assets.iter().map(|asset| folder.join(&asset.name));
+        let beside = to.parent().unwrap_or(Path::new(""));
+        let paths = self.assets.iter().map(|asset| beside.join(&asset.name));
         let paths: Vec<PathBuf> = paths.chain([to.to_owned()]).collect();
         let there: Vec<bool> =
             paths.iter().map(|path| fs::symlink_metadata(path).is_ok()).collect();
