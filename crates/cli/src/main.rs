@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod command;
 mod compare;
+mod convert;
 mod failure;
 mod focus;
 mod info;
@@ -58,6 +59,9 @@ enum Mode {
     Check(check::Args),
     /// Say what is in a scene: triangles, materials, lights, bounds, ray tree
     Info(info::Args),
+    /// Write any scene as a native one, to go on with: a text, and the files that it needs
+    #[command(after_help = convert::EXAMPLES)]
+    Convert(convert::Args),
     /// Say how far an image is from a reference: RMSE, relMSE, PSNR, SSIM, FLIP
     #[command(after_help = compare::EXAMPLES)]
     Compare(compare::Args),
@@ -75,6 +79,7 @@ Examples:
   rutilant dragon.ply --size 1920x1080      a bare mesh, under an even sky
   rutilant check kitchen.toml               is the scene all right?
   rutilant compare a.exr reference.exr      how far is it from the truth?
+  rutilant convert model.glb model.toml     as a scene in text, to go on with
 
 Scenes: .toml (docs/scene-format.md), .gltf, .glb (docs/gltf.md), .obj, .ply. Images: .exr, .hdr, .pfm, .png, .jpg; .webp is only read.
 Exit status: 0 done, 1 failed, 2 bad usage or bad scene, 130 interrupted.";
@@ -94,6 +99,7 @@ fn main() -> ExitCode {
         Some(Mode::View(args)) => view::run(args),
         Some(Mode::Check(args)) => check::run(args),
         Some(Mode::Info(args)) => info::run(args),
+        Some(Mode::Convert(args)) => convert::run(args),
         Some(Mode::Compare(args)) => compare::run(args),
         Some(Mode::Bench(mode)) => bench::run(mode),
     };

@@ -1065,3 +1065,54 @@ fn pictures_too_large_are_refused_at_once() {
     let ran = desk.run("large.toml --size 4x4 --spp 1 -o a.png --quiet");
     assert_eq!(ran.status, 0, "{}", ran.error);
 }
+
+/// The room written anew shows the same picture, beside the old one and elsewhere; nothing that is there
+/// is written over unasked, and never the scene itself.
+#[test]
+fn scenes_are_converted() {
+    let desk = Desk::new();
+    let hash = |scene: &str| {
+        let line = format!("{scene} -o a.exr --size 16x16 --spp 2 --quiet --json");
+        desk.json(&line)["hash"].clone()
+    };
+    let ran = desk.run("convert room.toml new.toml");
+    assert_eq!((ran.status, ran.out.as_str()), (0, ""), "{}", ran.error);
+    assert_eq!(ran.error, "wrote new.toml\n");
+    assert_eq!(hash("new.toml"), hash("room.toml"));
+
+    for (line, status, said) in [
+        ("convert room.toml new.toml", 2, "new.toml: there is such a file already; --force writes"),
+        ("convert room.toml room.toml --force", 2, "room.toml: this is the scene itself"),
+        ("convert room.toml ./room.toml", 2, "./room.toml: this is the scene itself"),
+        ("convert room.toml new.txt", 2, "new.txt: scenes are written as .toml"),
+        ("convert room.toml nowhere/a.toml", 1, "nowhere/a.toml: its folder: "),
+        ("convert nothing.toml a.toml", 2, "nothing.toml: "),
+        ("convert room.toml a.toml --camera nobody", 2, "room.toml: no camera \"nobody\""),
+        ("convert room.toml new.toml --force", 0, "wrote new.toml"),
+    ] {
+        let ran = desk.run(line);
+        assert_eq!(ran.status, status, "{line}: {}", ran.error);
+        assert!(
+            ran.error.contains(said) && ran.error.lines().count() == 1,
+            "{line}: {}",
+            ran.error
+        );
+    }
+    assert_eq!(fs::read_to_string(desk.path("room.toml")).unwrap(), ROOM);
+
+    // A mesh that is written out somewhere else takes its file along.
+    let cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n";
+    fs::write(desk.path("two.obj"), cube).unwrap();
+    fs::create_dir(desk.path("sent")).unwrap();
+    let ran = desk.run("convert two.obj sent/two.toml");
+    assert_eq!(ran.status, 0, "{}", ran.error);
+    let wrote: Vec<&str> = ran.error.lines().filter(|line| line.starts_with("wrote ")).collect();
+    assert_eq!(wrote.len(), 3, "{}", ran.error);
+    assert_eq!(wrote[2], "wrote sent/two.toml");
+    let ran = desk.run("convert two.obj here.toml");
+    assert!(ran.error.contains("\nwrote here_assets/"), "{}", ran.error);
+    assert_eq!(hash("sent/two.toml"), hash("two.obj"));
+    for word in ["--force", "--copy", "Examples:", "Exit status"] {
+        assert!(desk.run("convert --help").out.contains(word), "{word}");
+    }
+}

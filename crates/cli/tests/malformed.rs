@@ -113,7 +113,7 @@ const AFTER_HEAD: &[(&str, &str)] = &[
     ),
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"a.stl\"\nmaterial = \"grey\"",
-        ":10:8: no mesh format .stl; there are .obj, .ply",
+        ":10:8: no mesh format .stl; there are .obj, .ply, .gltf, .glb",
     ),
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"folder.obj\"\nmaterial = \"grey\"",

@@ -12,6 +12,7 @@
 //! ```
 
 pub mod camera;
+mod converted;
 mod error;
 mod file;
 pub mod image;
@@ -22,6 +23,7 @@ mod replace;
 pub mod scene;
 mod shown;
 
+pub use converted::{Asset, Content, Converted};
 pub use error::{ImageError, SceneError, SceneErrorKind, Source};
 pub use file::named_from;
 pub use limits::Limits;
@@ -29,6 +31,8 @@ pub use look::Look;
 pub use options::{CameraChoice, ReadOptions, SkyChoice};
 pub use replace::replace_file;
 pub use scene::loaded::{LoadedScene, TextureName};
+pub use scene::native::convert::ConvertOptions;
+pub use scene::origins::{MeshOrigin, Origins, PictureOrigin};
 
 use std::path::Path;
 
@@ -133,4 +137,28 @@ pub fn native_for_mesh(
     image_names: &[String],
 ) -> Result<String, SceneError> {
     scene::native::rewrite::native_for_mesh(mesh, file, options, before, after, image_names)
+}
+
+/// Any scene as a native one, to go on with: `loaded` was read from the file `from`, and is to stand
+/// at `to`.
+///
+/// Files that lie in the folder of `to` or below are named there, with [`ConvertOptions::copy`] none
+/// of them. All else comes along as [`Converted::assets`], in a folder `NAME_assets` beside `NAME.toml`:
+/// meshes as binary PLY files, pictures with the bytes that they had. Names of materials, textures and
+/// cameras stay where they are unique. Nothing is written before [`Converted::write`].
+///
+/// The result has been read again, from memory: it is the same scene, bit for bit, but for the names
+/// of meshes, those that had to change, and the order of meshes that stand in several places.
+/// `Settings::planned_spp` is not written.
+///
+/// # Errors
+/// A scene that is not sound; custom shapes and materials, pictures that come from no file, and
+/// angles between those of two neighbouring numbers of degrees; a folder that is not there.
+pub fn convert(
+    loaded: &LoadedScene,
+    from: &Path,
+    to: &Path,
+    options: &ConvertOptions,
+) -> Result<Converted, SceneError> {
+    scene::native::convert::convert(loaded, from, to, options)
 }

@@ -14,7 +14,8 @@ pub struct ReadOptions<'a> {
     /// The size that the picture will have whatever the file says: for a camera that is chosen
     /// to see everything.
     pub size: Option<[u32; 2]>,
-    /// Images that need no disk, by the name that the scene uses: found before any file.
+    /// Files that need no disk, by the name that a native scene uses: found before any other.
+    /// Pictures, meshes and places of instances can be such.
     pub embedded: &'a [(&'a str, &'a [u8])],
     /// Whether a picture of a texture that is missing or cannot be read is an error; else it is
     /// magenta, with a note.

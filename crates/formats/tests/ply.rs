@@ -471,3 +471,44 @@ fn files_cut_short_are_refused() {
         });
     }
 }
+
+/// What materials can use is read by the names that other programs give it, or by ours where they have
+/// none; what is not whole is left out with a note, and colours in whole numbers without one.
+#[test]
+fn further_properties_of_vertices_are_read() {
+    let vertex = |properties: &str, values: &str| {
+        let header = format!(
+            "format ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+             property float z\n{properties}element face 0\nproperty list uchar int vertex_indices\n"
+        );
+        read(&file(&header, format!("1 2 3 {values}\n").as_bytes()))
+    };
+    let floats = |names: &str| -> String {
+        names.split(' ').map(|name| format!("property float {name}\n")).collect()
+    };
+    let faceless = "a.ply: there are no faces in it, so nothing of it can be seen";
+
+    let names = "t1 s1 tw red alpha s t tx tz ty blue green u3 v3";
+    let (mesh, notes) = vertex(&floats(names), "1 2 -1 0.25 4 5 6 7 8 9 10 11 12 13");
+    assert_eq!(notes, [faceless]);
+    assert_eq!(mesh.uvs, [Vec2::new(5.0, 6.0)]);
+    let sets = vec![vec![Vec2::new(2.0, 1.0)], vec![], vec![Vec2::new(12.0, 13.0)]];
+    assert_eq!(mesh.more_uvs, sets);
+    assert_eq!(mesh.tangents, [[7.0, 9.0, 8.0, -1.0]]);
+    assert_eq!(mesh.colors, [[0.25, 11.0, 10.0, 4.0]]);
+
+    // Without a side a tangent says nothing; without alpha a colour covers all.
+    let (mesh, notes) =
+        vertex(&floats("tx ty tz bx by bz red green blue"), "1 0 0 0 1 0 0.1 0.2 0.3");
+    let left_out = "a.ply: properties of \"vertex\" left out: tx, ty, tz, bx, by, bz";
+    assert_eq!(notes, [left_out, faceless]);
+    assert!(mesh.tangents.is_empty());
+    assert_eq!(mesh.colors, [[0.1, 0.2, 0.3, 1.0]]);
+
+    // A scan.
+    let colors: String =
+        ["red", "green", "blue", "alpha"].map(|name| format!("property uchar {name}\n")).concat();
+    let (mesh, notes) = vertex(&colors, "255 128 0 255");
+    assert_eq!(notes, [faceless]);
+    assert_eq!(mesh, Mesh { positions: vec![Vec3::new(1.0, 2.0, 3.0)], ..Mesh::default() });
+}

@@ -5,8 +5,8 @@ use rutilant::settings::Settings;
 use rutilant::texture::Texture;
 use rutilant_formats::camera::AuthoredCamera;
 use rutilant_formats::{
-    CameraChoice, Limits, LoadedScene, Look, ReadOptions, SkyChoice, TextureName, named_from,
-    native_text, parse_native, read_scene,
+    CameraChoice, ConvertOptions, Converted, Limits, LoadedScene, Look, PictureOrigin, ReadOptions,
+    SkyChoice, TextureName, named_from, native_text, parse_native, read_scene,
 };
 use rutilant_geom::Aabb;
 use std::path::{Path, PathBuf};
@@ -259,7 +259,14 @@ pub(crate) fn is_native(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// The text of the scene as it looks now, to be written to `to`; `image_names` are those of all
+/// Whether a file is a glTF document, by its name: no scene can name it as what it is, with lights and
+/// cameras.
+fn is_document(file: &Path) -> bool {
+    let extension = file.extension().unwrap_or_default();
+    ["gltf", "glb"].iter().any(|name| extension.eq_ignore_ascii_case(name))
+}
+
+/// The scene as it looks now, to be written to `to`; `image_names` are those of all
 /// images by number, as the scene names them where it is now.
 pub(crate) fn text_of(
     document: &Document,
@@ -267,7 +274,7 @@ pub(crate) fn text_of(
     image_names: &[String],
     to: &Path,
     reading: &Reading,
-) -> Result<String, String> {
+) -> Result<Converted, String> {
     let camera = match &*look.camera.name {
         "" => CameraChoice::First,
         name => CameraChoice::Named(name.to_owned()),
@@ -309,21 +316,58 @@ pub(crate) fn text_of(
     let added = added.iter().map(|name| named_from(&folder_of(to), &here.join(name)));
     let image_names: Vec<String> = own.iter().cloned().chain(added).collect();
     let image_names = &*image_names;
+    let alone = |text: String| Converted { text, assets: Vec::new(), notes: Vec::new() };
     match (&document.text, &document.file) {
         (Some(text), _) => {
             // All that it names must be found from where it will stand.
             let before = parse_native(text, to, &options).map_err(error)?;
             let look = look(&before);
             rutilant_formats::rewrite(text, to, &options, &before, &look, image_names)
+                .map(alone)
                 .map_err(error)
+        }
+        (None, Some(file)) if is_document(file) => {
+            let before = read_scene(file, &options).map_err(error)?;
+            let look = look(&before);
+            let images = image_names.iter().map(|name| folder_of(to).join(name));
+            let edited = edited(before, look, images, &options.limits)?;
+            let how = ConvertOptions { copy: false, limits: options.limits };
+            rutilant_formats::convert(&edited, file, to, &how).map_err(error)
         }
         (None, Some(file)) => {
             let before = read_scene(file, &options).map_err(error)?;
             let look = look(&before);
             let name = named_from(&folder_of(to), file);
             rutilant_formats::native_for_mesh(&name, to, &options, &before, &look, image_names)
+                .map(alone)
                 .map_err(error)
         }
         (None, None) => Err("there is nothing to save".to_owned()),
     }
+}
+
+/// A scene with another look; `images` are the files of images that have been added since it was read.
+fn edited(
+    before: LoadedScene,
+    look: Look,
+    images: impl Iterator<Item = PathBuf>,
+    limits: &Limits,
+) -> Result<LoadedScene, String> {
+    let mut edited = before;
+    for file in images.skip(edited.scene.images.len()) {
+        let image = rutilant_formats::image::read(&file, limits).map_err(|e| e.to_string())?;
+        edited.scene.add_image(image);
+        let file = file.canonicalize().map_err(|e| format!("{}: {e}", file.display()))?;
+        edited.origins.images.push(PictureOrigin::File(file));
+    }
+    let Look { camera, environment, materials, lights, settings, display } = look;
+    edited.scene.camera = camera.camera(settings.size).map_err(|problem| problem.to_string())?;
+    if let Some(own) = edited.cameras.get_mut(edited.camera) {
+        *own = camera;
+    }
+    (edited.scene.environment, edited.scene.materials) = (environment, materials);
+    edited.scene.lights = lights;
+    (edited.settings, edited.display) = (settings, display);
+    edited.scene.validate().map_err(|problem| problem.to_string())?;
+    Ok(edited)
 }

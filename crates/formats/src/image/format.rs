@@ -57,6 +57,18 @@ impl Format {
         })
     }
 
+    /// The usual extension of its files.
+    pub(crate) fn extension(self) -> &'static str {
+        match self {
+            Self::Exr => "exr",
+            Self::Hdr => "hdr",
+            Self::Pfm => "pfm",
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+            Self::WebP => "webp",
+        }
+    }
+
     /// Whether files of this format hold colours encoded for a display rather than light: what
     /// [`write()`](super::write()) wants as [`Pixels::Display`](super::Pixels::Display).
     pub fn is_for_display(self) -> bool {
@@ -67,7 +79,7 @@ impl Format {
     }
 
     /// The format that the first bytes of a file show.
-    pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
+    pub(crate) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         Some(match bytes {
             [0x76, 0x2f, 0x31, 0x01, ..] => Self::Exr,
             [b'#', b'?', ..] => Self::Hdr,

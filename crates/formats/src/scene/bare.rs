@@ -4,6 +4,7 @@ use super::files::Fence;
 use super::framing::{bounds_of_all, frame_all};
 use super::loaded::{self, LoadedScene};
 use super::mesh_file;
+use super::origins::{MeshOrigin, Origins};
 use super::pictures::Pictures;
 use crate::error::SceneError;
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
@@ -38,6 +39,11 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         notes.push(note("the file has no materials: matte grey stands in"));
     }
     let backup = scene.add_material(grey());
+    let mut origins = Origins { bitmaps: pictures.origins(), ..Origins::default() };
+    if let ([_], true) = (&file.meshes[..], materials.is_empty()) {
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        origins.meshes.push(MeshOrigin::File { path, crease: None });
+    }
     for (mesh, name) in file.meshes {
         let own = name.and_then(|name| materials.get(&name).copied());
         let shape = Shape::Mesh(scene.add_mesh(mesh));
@@ -80,6 +86,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         camera,
         image_names: Vec::new(),
         texture_names: Vec::new(),
+        origins,
         notes,
         files: pictures.files().collect(),
         lines: Default::default(),

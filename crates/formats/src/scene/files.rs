@@ -61,6 +61,11 @@ impl<'o> Files<'o> {
         }
     }
 
+    /// Where a file called `name` would stand.
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
     /// The bytes carried along under `name`.
     pub(super) fn embedded(&self, name: &str) -> Option<&'o [u8]> {
         self.embedded.iter().find(|(n, _)| *n == name).map(|(_, bytes)| *bytes)
@@ -156,7 +161,7 @@ fn starts_at_root(path: &Path) -> bool {
 }
 
 /// Whether a path names something above its start, or starts at a root.
-fn leaves(path: &Path) -> bool {
+pub(super) fn leaves(path: &Path) -> bool {
     let mut depth = 0_usize;
     path.components().any(|component| match component {
         Component::Prefix(_) | Component::RootDir => true,

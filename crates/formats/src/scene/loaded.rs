@@ -3,6 +3,7 @@
 use super::bare::TOO_LARGE;
 use super::framing::{Chosen, bounds_of_all, frame_all};
 use super::nearest::nearest;
+use super::origins::{Origins, PictureOrigin};
 use crate::camera::AuthoredCamera;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
@@ -35,6 +36,8 @@ pub struct LoadedScene {
     /// What the scene's own text calls its textures, by
     /// [`TextureId`](rutilant::scene::TextureId); those of mesh files, which follow, have no names.
     pub texture_names: Vec<TextureName>,
+    /// Where its pictures and meshes come from.
+    pub origins: Origins,
     /// What a person should know: what was missing, and what stands in for it. One line each,
     /// which begins with the file, and with the place in it where one is meant.
     pub notes: Vec<String>,
@@ -79,7 +82,10 @@ impl LoadedScene {
                 let picture = image::read(path, &options.limits)
                     .map_err(|error| SceneError::invalid_file(path, error.what))?;
                 let projection = Projection::likely([picture.width(), picture.height()]);
-                self.files.extend(path.canonicalize());
+                if let Ok(whole) = path.canonicalize() {
+                    self.files.push(whole.clone());
+                    self.origins.images.push(PictureOrigin::File(whole));
+                }
                 self.image_names.push(file::named_from(file::folder(file), path));
                 Some(Environment::map(self.scene.add_image(picture), projection))
             }

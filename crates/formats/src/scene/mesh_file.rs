@@ -1,6 +1,7 @@
 //! Mesh files of any format, alone or named by a scene.
 
 use super::files::Fence;
+use super::gltf::scene::Model;
 use super::obj::{self, ObjScene};
 use super::pictures::Pictures;
 use super::ply;
@@ -11,22 +12,34 @@ use crate::shown::shown;
 use rutilant::material::{Material, MaterialKind};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::shape::Mesh;
-use rutilant::texture::ImageTexture;
+use rutilant::texture::{ImageTexture, Texture};
 use std::collections::HashMap;
 use std::path::Path;
 
 /// Meshes with the names of their materials, the materials, and what a person should know.
 type MeshReader = fn(&Path, &Limits, &Fence) -> Result<ObjScene, SceneError>;
+/// The same for the content of a file, without those that it names in turn.
+type BytesReader = fn(&[u8], &Path, &Limits) -> Result<ObjScene, SceneError>;
 
 /// Every kind of mesh file, by its extension.
-const MESHES: &[(&str, MeshReader)] = &[("obj", obj::read_within), ("ply", read_ply)];
+const MESHES: &[(&str, MeshReader, BytesReader)] =
+    &[("obj", obj::read_within, obj::read_bytes), ("ply", read_ply, read_ply_bytes)];
+
+/// Whole scenes, of which a shape takes the things.
+const DOCUMENTS: [&str; 2] = ["gltf", "glb"];
+
+/// Whether a file holds a whole scene: it is for [`model`](super::gltf::scene::model) to read.
+pub(super) fn is_document(path: &Path) -> bool {
+    DOCUMENTS.contains(&&*file::extension(path))
+}
 
 /// What reads the mesh file at `path`; or what is wrong with its name.
-fn reader(path: &Path) -> Result<MeshReader, SceneErrorKind> {
+fn reader(path: &Path) -> Result<(MeshReader, BytesReader), SceneErrorKind> {
     let extension = file::extension(path);
-    let reader = MESHES.iter().find(|(name, _)| *name == extension);
-    reader.map(|(_, reader)| *reader).ok_or_else(|| {
-        let what = file::unknown_format("mesh", path, MESHES.iter().map(|(name, _)| *name));
+    let reader = MESHES.iter().find(|(name, _, _)| *name == extension);
+    reader.map(|&(_, file, bytes)| (file, bytes)).ok_or_else(|| {
+        let known = MESHES.iter().map(|(name, _, _)| *name).chain(DOCUMENTS);
+        let what = file::unknown_format("mesh", path, known);
         SceneErrorKind::Unsupported(what)
     })
 }
@@ -39,13 +52,30 @@ pub(super) fn read(
     fence: &Fence,
     misnamed: impl FnOnce(SceneErrorKind) -> SceneError,
 ) -> Result<ObjScene, SceneError> {
-    reader(path).map_err(misnamed)?(path, limits, fence)
+    reader(path).map_err(misnamed)?.0(path, limits, fence)
+}
+
+/// As [`read`], for the content of a file that carries all it needs; `path` is its name.
+pub(super) fn read_bytes(
+    bytes: &[u8],
+    path: &Path,
+    limits: &Limits,
+    misnamed: impl FnOnce(SceneErrorKind) -> SceneError,
+) -> Result<ObjScene, SceneError> {
+    reader(path).map_err(misnamed)?.1(bytes, path, limits)
 }
 
 /// A PLY file is an OBJ file with one mesh and no materials.
 fn read_ply(path: &Path, limits: &Limits, _: &Fence) -> Result<ObjScene, SceneError> {
-    let (mesh, notes) = ply::read(path, limits)?;
-    Ok(ObjScene { meshes: vec![(mesh, None)], notes, ..ObjScene::default() })
+    Ok(alone(ply::read(path, limits)?))
+}
+
+fn read_ply_bytes(bytes: &[u8], path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
+    Ok(alone(ply::read_bytes(bytes, path, limits)?))
+}
+
+fn alone((mesh, notes): (Mesh, Vec<String>)) -> ObjScene {
+    ObjScene { meshes: vec![(mesh, None)], notes, ..ObjScene::default() }
 }
 
 /// Takes a file's materials, with their textures, into a scene, and gives them by name. The pictures
@@ -71,6 +101,33 @@ pub(super) fn adopt(
         ids.entry(name).or_insert(id);
     }
     ids
+}
+
+/// Takes a document's materials and textures into a scene, and gives the material of each of its
+/// numbers. The pictures are asked for.
+pub(super) fn adopt_model(
+    model: &mut Model,
+    scene: &mut Scene,
+    pictures: &mut Pictures,
+) -> Vec<MaterialId> {
+    let bitmaps = pictures.adopt(std::mem::take(&mut model.pictures));
+    let first_texture = scene.textures.len() as u32;
+    for texture in std::mem::take(&mut model.scene.textures) {
+        scene.add_texture(match texture {
+            Texture::Image(image) => {
+                let bitmap = bitmaps[image.bitmap.0 as usize];
+                Texture::Image(ImageTexture { bitmap, ..image })
+            }
+            other @ (Texture::Checker(_) | Texture::Bricks(_) | Texture::Noise(_)) => other,
+        });
+    }
+    let first = scene.materials.len() as u32;
+    let materials = std::mem::take(&mut model.scene.materials).into_iter();
+    let added = materials.map(|mut material| {
+        material.each_texture_mut(|id| id.0 += first_texture);
+        scene.add_material(renumbered(material, first))
+    });
+    added.collect()
 }
 
 /// A material whose parts are counted from `first` on.

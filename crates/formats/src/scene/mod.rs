@@ -10,6 +10,7 @@ pub mod mtl;
 pub(crate) mod native;
 mod nearest;
 pub mod obj;
+pub(crate) mod origins;
 pub(crate) mod pictures;
 pub mod ply;
 mod polygon;

@@ -739,10 +739,11 @@ fn find_picture(path: &Path, picture: mtl::Picture, fence: &Fence) -> Wanted {
         None => {
             let quoted = quoted(name.as_bytes());
             let why = why_not_found(folder, &name, fence);
-            pictures::From::Nowhere(match why {
+            let what = match why {
                 Some(why) => format!("picture {quoted} {why}"),
                 None => format!("there is no picture {quoted} beside the MTL file"),
-            })
+            };
+            pictures::From::Nowhere { name, what }
         }
     };
     Wanted { from, at }

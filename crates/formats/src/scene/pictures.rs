@@ -1,6 +1,7 @@
 //! The pictures that a scene's textures show: each file is read once, all of them at the same time.
 
 use super::files::{Files, Found};
+use super::origins::PictureOrigin;
 use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::image;
 use crate::limits::Limits;
@@ -24,10 +25,10 @@ pub(crate) struct Wanted {
 pub(crate) enum From {
     /// A file: its path for messages, and the same for every name of the same file.
     File { path: PathBuf, identity: PathBuf },
-    /// Bytes that are at hand, under a name.
-    Bytes { name: String, bytes: Arc<Vec<u8>> },
-    /// Nowhere, and why.
-    Nowhere(String),
+    /// Bytes that are at hand, under a name for messages and one by their author.
+    Bytes { name: String, title: String, bytes: Arc<Vec<u8>> },
+    /// A file of this name that is not there, and why.
+    Nowhere { name: String, what: String },
 }
 
 /// What stands in for a picture that is missing: nobody takes it for anything else.
@@ -57,10 +58,14 @@ impl Pictures {
     /// Asks for the picture of a name that a scene says.
     pub(super) fn want_named(&mut self, name: &str, files: &Files<'_>, at: Source) -> BitmapId {
         let from = match files.embedded(name) {
-            Some(bytes) => From::Bytes { name: name.to_owned(), bytes: Arc::new(bytes.to_owned()) },
+            Some(bytes) => From::Bytes {
+                name: name.to_owned(),
+                title: name.to_owned(),
+                bytes: Arc::new(bytes.to_owned()),
+            },
             None => match files.find(name) {
                 Ok(Found { path, identity }) => From::File { path, identity },
-                Err(what) => From::Nowhere(what),
+                Err(what) => From::Nowhere { name: name.to_owned(), what },
             },
         };
         self.want(Wanted { from, at })
@@ -70,8 +75,20 @@ impl Pictures {
     pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
         self.wanted.iter().filter_map(|wanted| match &wanted.from {
             From::File { identity, .. } => Some(identity.clone()),
-            From::Bytes { .. } | From::Nowhere(_) => None,
+            From::Bytes { .. } | From::Nowhere { .. } => None,
         })
+    }
+
+    /// Where each comes from.
+    pub(crate) fn origins(&self) -> Vec<PictureOrigin> {
+        let origin = |wanted: &Wanted| match &wanted.from {
+            From::File { identity, .. } => PictureOrigin::File(identity.clone()),
+            From::Bytes { title, bytes, .. } => {
+                PictureOrigin::Bytes { title: title.clone(), bytes: Arc::clone(bytes) }
+            }
+            From::Nowhere { name, .. } => PictureOrigin::Missing(name.clone()),
+        };
+        self.wanted.iter().map(origin).collect()
     }
 
     /// Reads all of them. One that cannot be read is magenta, with a note; or an error, if `strict`.
@@ -124,11 +141,11 @@ impl Wanted {
     fn read(&self, limits: &Limits) -> Result<Bitmap, String> {
         match &self.from {
             From::File { path, .. } => image::read_bitmap(path, limits).map_err(|e| e.to_string()),
-            From::Bytes { name, bytes } => {
+            From::Bytes { name, bytes, .. } => {
                 let read = image::read_bitmap_bytes(bytes, Path::new(name), limits);
                 read.map_err(|e| e.to_string())
             }
-            From::Nowhere(what) => Err(what.clone()),
+            From::Nowhere { what, .. } => Err(what.clone()),
         }
     }
 }

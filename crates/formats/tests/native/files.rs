@@ -35,7 +35,7 @@ fn paths_stay_in_the_folder() {
     let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
     for file in ["../secret.txt", "deep/../../secret.txt", &*absolute] {
         let said = said(&folder, file, &allowed);
-        assert!(said.ends_with("no mesh format .txt; there are .obj, .ply"), "{said}");
+        assert!(said.ends_with("no mesh format .txt; there are .obj, .ply, .gltf, .glb"), "{said}");
     }
 }
 
@@ -126,7 +126,10 @@ mod unix {
         }
         for file in ["in.txt", "up/inside/mesh.txt"] {
             let said = said(&folder, file, &ReadOptions::default());
-            assert!(said.ends_with("no mesh format .txt; there are .obj, .ply"), "{said}");
+            assert!(
+                said.ends_with("no mesh format .txt; there are .obj, .ply, .gltf, .glb"),
+                "{said}"
+            );
         }
     }
 

@@ -134,7 +134,13 @@ impl Window {
             {
                 return Work::Stale { file: to };
             }
-            let written = text_of(&document, &look, &image_names, &to, &reading).and_then(|text| {
+            let written = text_of(&document, &look, &image_names, &to, &reading).and_then(|new| {
+                if !new.assets.is_empty() {
+                    // Whoever writes over a scene means the files that came with it as well.
+                    new.write(&to, to.exists()).map_err(|error| error.to_string())?;
+                    return Ok(new.text);
+                }
+                let text = new.text;
                 // The built-in scene takes along the images that it uses.
                 let images = if document.file.is_none() { reading.built_in.images } else { &[] };
                 let used = |(name, _): &&(&str, _)| text.contains(&format!("{name:?}"));

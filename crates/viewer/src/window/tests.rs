@@ -578,6 +578,48 @@ fn the_built_in_scene_is_saved_with_its_sky() {
     assert_eq!(headless(loaded.scene.clone(), &loaded.look()), desk.hash());
 }
 
+/// A glTF file is saved as a native scene with the files that it needs, as it looks in the window; from
+/// then on the window shows that one, which can be edited and saved again.
+#[test]
+fn a_document_is_saved_as_a_scene() {
+    let mut desk = Desk::new();
+    let document = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}], "meshes": [{"name": "sail", "primitives": [
+        {"attributes": {"POSITION": 0}, "material": 0}, {"attributes": {"POSITION": 0}}]}],
+        "materials": [{"name": "cloth", "pbrMetallicRoughness": {"metallicFactor": 0}}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36,
+        "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+    let from = desk.folder.path().join("sail.gltf");
+    std::fs::write(&from, document).unwrap();
+    desk.window_mut().open(Some(from.clone()), false);
+    desk.until("the document", |w| w.document.as_ref().is_some_and(|d| d.text.is_none()));
+    desk.settle();
+    desk.window_mut().edit(|look| look.settings.size = [48, 36]);
+    desk.window_mut().edit(|look| look.environment = Some(Environment::constant(Rgb::grey(0.3))));
+    desk.settle();
+    let to = desk.folder.path().join("mine.toml");
+    desk.window_mut().answered(Dialog::SaveScene(to.display().to_string()));
+    let shown = to.clone();
+    desk.until("the new file", move |w| {
+        w.trouble.is_some() || w.document.as_ref().unwrap().file == Some(shown.clone())
+    });
+    assert_eq!(desk.window().trouble, None);
+    desk.settle();
+    assert!(desk.folder.path().join("mine_assets/sail.ply").exists());
+    let read = || read_scene(&to, &ReadOptions::default()).unwrap();
+    let loaded = read();
+    assert_eq!(loaded.scene.environment, Some(Environment::constant(Rgb::grey(0.3))));
+    assert_eq!(headless(loaded.scene.clone(), &loaded.look()), desk.hash());
+
+    desk.window_mut().edit(|look| look.settings.spp = 3);
+    desk.settle();
+    desk.window_mut().save();
+    desk.until("a saved file", |w| !w.is_changed() || w.trouble.is_some());
+    assert_eq!(desk.window().trouble, None);
+    assert_eq!(read().settings.spp, 3);
+}
+
 /// A flight, a turn of the wheel and a number that is typed are a step each, from where they began to
 /// where they ended.
 #[test]

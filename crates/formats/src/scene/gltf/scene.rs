@@ -19,6 +19,7 @@ use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
 use crate::scene::files::Files;
 use crate::scene::loaded::{LoadedScene, camera_for_all, camera_named};
+use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
@@ -34,7 +35,7 @@ use rutilant::texture::{
 };
 use rutilant_geom::{Transform, Vec2, Vec3, real};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads a `.gltf` or `.glb` file as a scene.
@@ -44,19 +45,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     let moment = options.at_time.map(|seconds| Moment { animation: 0, seconds });
     let pose = document.pose(moment);
     let placed = document.placed(None, &pose)?;
-    let mut maker = Maker {
-        document: &document,
-        path,
-        variant,
-        scene: bare::empty(),
-        pictures: Pictures::default(),
-        files: Files::beside(path, options),
-        images: HashMap::new(),
-        textures: HashMap::new(),
-        materials: HashMap::new(),
-        meshes: HashMap::new(),
-        notes: document.notes.clone(),
-    };
+    let mut maker = Maker::new(&document, path, variant, options);
     for placed in &placed {
         maker.place(placed, &pose);
     }
@@ -64,6 +53,59 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         maker.add_light(light.0, light.1);
     }
     maker.finish(&placed, options)
+}
+
+/// What a document shows of things, to be put into another scene.
+pub(crate) struct Model {
+    /// Its meshes, materials, textures and objects; nothing else counts.
+    pub(crate) scene: Scene,
+    /// The pictures that the textures show.
+    pub(crate) pictures: Pictures,
+    /// Materials that stand in where the document names none.
+    pub(crate) stand_ins: Vec<MaterialId>,
+    /// What a person should know.
+    pub(crate) notes: Vec<String>,
+    /// The files that it is made of, beside those of pictures.
+    pub(crate) files: Vec<PathBuf>,
+}
+
+/// What the content of a `.gltf` or `.glb` file at `path` shows of things.
+pub(crate) fn model(
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<Model, SceneError> {
+    let document = super::read_bytes(bytes, path, options)?;
+    let pose = document.pose(None);
+    let placed = document.placed(None, &pose)?;
+    let mut maker = Maker::new(&document, path, None, options);
+    for placed in &placed {
+        maker.place(placed, &pose);
+    }
+    let lights = placed.iter().filter(|placed| placed.light.is_some()).count();
+    let cameras = placed.iter().filter(|placed| placed.camera.is_some()).count();
+    let mut notes = maker.notes;
+    let mut left_out = |count: usize, what: &str| {
+        if count > 0 {
+            let path = path.display();
+            notes.push(format!("{path}: as a mesh it has no {what}, left out: {count}"));
+        }
+    };
+    left_out(lights, "lights");
+    left_out(cameras, "cameras");
+    if maker.scene.objects.is_empty() {
+        let path = path.display();
+        notes.push(format!("{path}: there are no faces in it, so nothing of it can be seen"));
+    }
+    let mut stand_ins: Vec<_> = maker
+        .materials
+        .iter()
+        .filter_map(|((number, _), id)| number.is_none().then_some(*id))
+        .collect();
+    stand_ins.sort_unstable();
+    let Maker { scene, pictures, .. } = maker;
+    let files = document.files.clone();
+    Ok(Model { scene, pictures, stand_ins, notes, files })
 }
 
 /// A texture of the document, the set of coordinates, the bits of what is done to them, and what
@@ -88,7 +130,28 @@ struct Maker<'d> {
     notes: Vec<String>,
 }
 
-impl Maker<'_> {
+impl<'d> Maker<'d> {
+    fn new(
+        document: &'d Document,
+        path: &'d Path,
+        variant: Option<usize>,
+        options: &'d ReadOptions<'d>,
+    ) -> Self {
+        Self {
+            document,
+            path,
+            variant,
+            scene: bare::empty(),
+            pictures: Pictures::default(),
+            files: Files::beside(path, options),
+            images: HashMap::new(),
+            textures: HashMap::new(),
+            materials: HashMap::new(),
+            meshes: HashMap::new(),
+            notes: document.notes.clone(),
+        }
+    }
+
     /// Puts a node's mesh into the scene.
     fn place(&mut self, placed: &Placed, pose: &Pose) {
         let Some(number) = placed.mesh else { return };
@@ -141,6 +204,7 @@ impl Maker<'_> {
             LightKind::Directional => Light::Directional { direction, irradiance: rgb },
             LightKind::Point => Light::Point { position, intensity: rgb },
             LightKind::Spot { inner, outer } => {
+                let [inner, outer] = [inner, outer].map(in_degrees);
                 Light::Spot { position, direction, light: SpotLight::Intensity(rgb), inner, outer }
             }
         });
@@ -288,7 +352,7 @@ impl Maker<'_> {
         }
         if let Some(anisotropy) = &written.anisotropy {
             made.anisotropy = anisotropy.strength;
-            made.anisotropy_rotation = anisotropy.rotation;
+            made.anisotropy_rotation = in_degrees(anisotropy.rotation);
         }
         if made.has_inside() && made.ior > MOST_ROUGH_IOR {
             made.ior = MOST_ROUGH_IOR;
@@ -351,8 +415,10 @@ impl Maker<'_> {
             }
             ImageBytes::Here(bytes) => {
                 let name = format!("images[{number}]");
+                let title = if image.name.is_empty() { &name } else { &image.name }.clone();
                 let bytes = Arc::clone(bytes);
-                self.pictures.want(Wanted { from: pictures::From::Bytes { name, bytes }, at })
+                let from = pictures::From::Bytes { name, title, bytes };
+                self.pictures.want(Wanted { from, at })
             }
         };
         self.images.insert(number, id);
@@ -406,6 +472,7 @@ impl Maker<'_> {
             camera,
             image_names: Vec::new(),
             texture_names: Vec::new(),
+            origins: Origins { bitmaps: self.pictures.origins(), ..Origins::default() },
             notes: self.notes,
             files,
             lines: Default::default(),
@@ -464,11 +531,18 @@ fn mesh_of(primitive: &Primitive, name: &str) -> Mesh {
 /// More sets of texture coordinates than this are not taken.
 const MOST_SETS: usize = 16;
 
+/// The angle that stands nearest to one in radians, among those that are a number of degrees: so
+/// that a native scene can say it, to the bit.
+fn in_degrees(radians: f32) -> f32 {
+    radians.to_degrees().to_radians()
+}
+
 /// What a texture does to coordinates, with v turned over before and after. With F(u, v) = (u, 1 − v),
 /// a turn by −θ as [`UvTransform`] has it becomes one by θ.
 fn mapping_of(used: &TextureRef) -> UvMapping {
     let transform = &used.transform;
-    let (s, c) = real::sin_cos(transform.rotation);
+    let rotation = in_degrees(transform.rotation);
+    let (s, c) = real::sin_cos(rotation);
     let [scale_u, scale_v] = transform.scale;
     let [u, v] = transform.offset;
     // Where (0, 1), the document's lower left corner, goes.
@@ -476,7 +550,7 @@ fn mapping_of(used: &TextureRef) -> UvMapping {
     UvMapping {
         set: used.set,
         scale: Vec2::new(scale_u, scale_v),
-        rotation: transform.rotation,
+        rotation,
         offset: Vec2::new(corner.x, 1.0 - corner.y),
     }
 }

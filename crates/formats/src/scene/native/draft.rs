@@ -7,13 +7,14 @@ use crate::options::ReadOptions;
 use crate::scene::bare;
 use crate::scene::files::Files;
 use crate::scene::loaded::TextureName;
+use crate::scene::origins::{MeshOrigin, Origins};
 use crate::scene::pictures::Pictures;
 use crate::shown::shown;
 use rutilant::material::Material;
 use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem, TextureId};
 use rutilant::shape::{Mesh, Object};
 use rutilant::texture::Texture;
-use rutilant_geom::Aabb;
+use rutilant_geom::{Aabb, Transform};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -42,7 +43,9 @@ pub(super) struct Draft<'d> {
     pub(super) files: Files<'d>,
     /// What the scene calls its images.
     pub(super) image_names: Vec<String>,
-    /// Those that were read.
+    /// Where pictures and meshes come from.
+    pub(super) origins: Origins,
+    /// The files that were read.
     pub(super) read: Vec<PathBuf>,
     /// What may be read in all.
     limits: Limits,
@@ -52,12 +55,30 @@ pub(super) struct Draft<'d> {
 
 /// What a mesh file brought into the scene.
 pub(super) struct MeshFile {
-    /// Its parts, each with the material that the file gives it.
-    pub(super) parts: Vec<(MeshId, Option<MaterialId>)>,
+    /// What it is made of.
+    pub(super) parts: Vec<Part>,
     /// The box around all of it.
     pub(super) bounds: Aabb,
     /// What has no material, for people; `None` where everything has one or nothing has.
     pub(super) without_material: Option<String>,
+}
+
+/// A part of a mesh file.
+pub(super) struct Part {
+    pub(super) mesh: MeshId,
+    /// The material that the file gives it.
+    pub(super) own: Option<MaterialId>,
+    /// What it has where neither the file nor the shape gives it one.
+    pub(super) stand_in: Option<MaterialId>,
+    /// Where it stands in the file.
+    pub(super) file_from_part: Transform,
+}
+
+impl Part {
+    /// One that stands where its numbers say.
+    pub(super) fn new(mesh: MeshId, own: Option<MaterialId>) -> Self {
+        Self { mesh, own, stand_in: None, file_from_part: Transform::IDENTITY }
+    }
 }
 
 impl<'d> Draft<'d> {
@@ -74,6 +95,7 @@ impl<'d> Draft<'d> {
             grey: None,
             files: Files::beside(file, options),
             image_names: Vec::new(),
+            origins: Origins::default(),
             read: Vec::new(),
             limits: options.limits,
             left: options.limits,
@@ -103,12 +125,14 @@ impl<'d> Draft<'d> {
         &mut self,
         table: &Table<'d>,
         mesh: Mesh,
+        origin: MeshOrigin,
     ) -> Result<MeshId, SceneErrorKind> {
         let (left, limits) = (&mut self.left, &self.limits);
         let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
         spend("vertices", &mut left.vertices, vertices, limits.vertices)?;
         spend("triangles", &mut left.triangles, triangles, limits.triangles)?;
         self.places.insert(Place::Mesh(self.scene.meshes.len()), *table);
+        self.origins.meshes.push(origin);
         Ok(self.scene.add_mesh(mesh))
     }
 

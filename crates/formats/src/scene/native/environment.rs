@@ -6,9 +6,11 @@ use super::said::{self, Group, Said, color, degrees, number};
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use crate::image;
+use crate::scene::origins::PictureOrigin;
 use rutilant::light::{Environment, EnvironmentLight, Projection};
 use rutilant::scene::Place;
 use std::path::Path;
+use std::sync::Arc;
 
 const PROJECTIONS: &[(&str, Projection)] = &[
     ("equirectangular", Projection::Equirectangular),
@@ -51,10 +53,15 @@ fn read_image(
 ) -> Result<rutilant::image::Image, SceneError> {
     let name = value.text()?;
     let image = match draft.files.embedded(name) {
-        Some(bytes) => image::read_bytes(bytes, Path::new(name), &draft.left),
+        Some(bytes) => {
+            let (title, kept) = (name.to_owned(), Arc::new(bytes.to_owned()));
+            draft.origins.images.push(PictureOrigin::Bytes { title, bytes: kept });
+            image::read_bytes(bytes, Path::new(name), &draft.left)
+        }
         None => {
             let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
-            draft.read.push(found.identity);
+            draft.read.push(found.identity.clone());
+            draft.origins.images.push(PictureOrigin::File(found.identity));
             image::read(&found.path, &draft.left)
         }
     };

@@ -40,7 +40,11 @@ pub(super) fn places<'d>(
 
 /// The places in the file that a value names.
 fn from_file<'d>(value: &Value<'d>, draft: &mut Draft<'d>) -> Result<Vec<Transform>, SceneError> {
-    let found = draft.files.find(value.text()?).map_err(|what| value.invalid(what))?;
+    let name = value.text()?;
+    if let Some(bytes) = draft.files.embedded(name) {
+        return parse(bytes, Path::new(name));
+    }
+    let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
     let bytes = file::scene_bytes(&found.path, &draft.left)?;
     let places = parse(&bytes, &found.path)?;
     draft.read.push(found.identity);

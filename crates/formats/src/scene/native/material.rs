@@ -435,6 +435,63 @@ pub(super) fn keys_of(
     Some(groups)
 }
 
+/// Each texture of a material, with what codes mean where the material names a picture instead.
+pub(super) fn textures_of(material: &Material) -> Vec<(TextureId, Encoding)> {
+    let emission = material.emission.and_then(|emission| emission.texture);
+    let mut colors = vec![emission];
+    let mut numbers = vec![
+        material.opacity.and_then(|opacity| opacity.amount.texture).map(|(id, _)| id),
+        material.normal_map.map(|map| map.texture),
+    ];
+    match &material.kind {
+        MaterialKind::Matte(matte) => colors.push(matte.albedo.texture),
+        MaterialKind::Principled(principled) => {
+            let PrincipledTextures {
+                base_color,
+                vertex_colors: _,
+                metallic,
+                roughness,
+                specular,
+                specular_color,
+                transmission,
+                diffuse_transmission,
+                diffuse_transmission_color,
+                coat,
+                coat_roughness,
+                sheen_color,
+                sheen_roughness,
+                iridescence,
+                iridescence_thickness_nm,
+            } = principled.textures;
+            colors.extend([base_color, specular_color, diffuse_transmission_color, sheen_color]);
+            let scalars = [
+                metallic,
+                roughness,
+                specular,
+                transmission,
+                diffuse_transmission,
+                coat,
+                coat_roughness,
+                sheen_roughness,
+                iridescence,
+                iridescence_thickness_nm,
+            ];
+            numbers.extend(scalars.map(|scalar| scalar.map(|(id, _)| id)));
+        }
+        MaterialKind::Black
+        | MaterialKind::Null
+        | MaterialKind::Mirror(_)
+        | MaterialKind::Conductor(_)
+        | MaterialKind::Dielectric(_)
+        | MaterialKind::ThinDielectric(_)
+        | MaterialKind::Mix(_)
+        | MaterialKind::Custom(_) => {}
+    }
+    let colors = colors.into_iter().flatten().map(|id| (id, Encoding::Srgb));
+    let numbers = numbers.into_iter().flatten().map(|id| (id, Encoding::Linear));
+    colors.chain(numbers).collect()
+}
+
 fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
     let (usual, of) = (Principled::default(), &m.textures);
     let number = |key: &'static [&'static str; 1], a, b| Group::or(key, number(a), &number(b));

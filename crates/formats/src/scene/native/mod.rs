@@ -6,6 +6,7 @@
 //! alone: a problem they find is traced back to the key it came from.
 
 pub(crate) mod camera;
+pub(crate) mod convert;
 mod document;
 mod draft;
 mod edit;
@@ -154,7 +155,8 @@ fn parse_here(
     draft.scene.bitmaps = draft.pictures.read(&draft.left, options.strict, &mut draft.notes)?;
     draft.read.extend(draft.pictures.files());
     let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
-    let Draft { scene, notes, read: files, image_names, texture_names, .. } = draft;
+    draft.origins.bitmaps = draft.pictures.origins();
+    let Draft { scene, notes, read: files, image_names, texture_names, origins, .. } = draft;
     Ok(LoadedScene {
         scene,
         settings,
@@ -163,6 +165,7 @@ fn parse_here(
         camera,
         image_names,
         texture_names,
+        origins,
         notes,
         files,
         lines,

@@ -2,6 +2,7 @@
 
 use super::camera::direction;
 use super::keys;
+use super::said::{self, Group, Said, number, triple};
 use super::table::{Table, Value};
 use crate::error::SceneError;
 use rutilant_geom::{Aabb, Mat3, Transform, Vec3};
@@ -24,7 +25,69 @@ pub(super) fn transform(table: &Table<'_>) -> Result<Transform, SceneError> {
         None => Vec3::ZERO,
         Some(key) => table.must(key, Value::triple)?,
     };
-    Ok(Transform::translate(translation) * rotation * Transform::scale(scale))
+    Ok(placed(scale, rotation, translation))
+}
+
+fn placed(scale: Vec3, rotation: Transform, translation: Vec3) -> Transform {
+    Transform::translate(translation) * rotation * Transform::scale(scale)
+}
+
+/// The keys by which the reader above finds `world_from_object`, bit by bit: a few that people think
+/// in where these do, else a matrix. A shape that is `centered` says where its middle stands.
+pub(super) fn keys_of(world_from_object: &Transform, centered: bool) -> Group {
+    let moved = world_from_object.translation();
+    let (place, of) = (if centered { "center" } else { "translate" }, world_from_object);
+    let is_meant = |scale: Vec3, rotation: Transform| is_same(of, &placed(scale, rotation, moved));
+    let translate = || (moved != Vec3::ZERO).then(|| Said::new(place, triple(moved)));
+    let Mat3 { x_axis, y_axis, z_axis } = of.linear();
+    let scale = Vec3::new(x_axis.x, y_axis.y, z_axis.z);
+    if is_meant(scale, Transform::IDENTITY) {
+        let one = scale.x.to_bits() == scale.y.to_bits() && scale.y.to_bits() == scale.z.to_bits();
+        let scale = if one { number(scale.x) } else { triple(scale) };
+        let scale = Some(Said::or("scale", scale, "1"));
+        return Group::of(PLACING, [scale, translate()].into_iter().flatten().collect::<Vec<_>>());
+    }
+    for degrees in (-11..=12).map(|step| 15.0 * step as f32) {
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            // Without signs before zeros.
+            let turn = axis * degrees + Vec3::ZERO;
+            if is_meant(Vec3::ONE, about_axes(turn)) {
+                let turn = Some(Said::new("rotate_degrees", triple(turn)));
+                let says = [turn, translate()].into_iter().flatten().collect::<Vec<_>>();
+                return Group::of(PLACING, says);
+            }
+        }
+    }
+    let row = |i: usize| {
+        let row = [x_axis[i], y_axis[i], z_axis[i], moved[i]];
+        said::numbers(row.map(number))
+    };
+    Group::of(PLACING, [Said::new("matrix", said::numbers([row(0), row(1), row(2)]))])
+}
+
+/// Every key that moves, turns or scales.
+const PLACING: &[&str] = &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center"];
+
+/// One placing after another. What stays where it is changes no bit of the other, not even the sign
+/// of a zero.
+pub(super) fn after(then: Transform, first: Transform) -> Transform {
+    if is_same(&then, &Transform::IDENTITY) {
+        first
+    } else if is_same(&first, &Transform::IDENTITY) {
+        then
+    } else {
+        then * first
+    }
+}
+
+/// Whether two maps have the same bits.
+pub(super) fn is_same(one: &Transform, other: &Transform) -> bool {
+    bits(one) == bits(other)
+}
+
+fn bits(transform: &Transform) -> [[u32; 3]; 4] {
+    let Mat3 { x_axis, y_axis, z_axis } = transform.linear();
+    [x_axis, y_axis, z_axis, transform.translation()].map(|v| v.to_array().map(f32::to_bits))
 }
 
 fn scale(value: &Value<'_>) -> Result<Vec3, SceneError> {

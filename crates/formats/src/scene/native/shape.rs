@@ -1,15 +1,20 @@
 //! `[[shape]]`: what stands in the scene.
 
-use super::draft::{Draft, MeshFile};
+use super::draft::{Draft, MeshFile, Part};
 use super::table::{Table, Value};
 use super::{instances, keys, material, placing};
 use crate::error::SceneError;
+use crate::file;
+use crate::options::ReadOptions;
 use crate::scene::framing::bounds_of;
+use crate::scene::gltf::scene::{self as gltf, Model};
 use crate::scene::mesh_file;
 use crate::scene::obj::ObjScene;
+use crate::scene::origins::MeshOrigin;
 use rutilant::scene::Place;
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{Aabb, Transform};
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 #[derive(Clone, Copy)]
@@ -57,7 +62,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
     let material = table.must("material", |v| material::named(v, &draft.materials))?;
     let world_from_object = placing::transform(&table)?;
     for (place, moved) in instances::places(&table, draft)? {
-        let world_from_object = moved * world_from_object;
+        let world_from_object = placing::after(moved, world_from_object);
         let shape = shape.clone();
         draft.add_object(&place, Object { shape, material, world_from_object })?;
     }
@@ -83,11 +88,15 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
     };
 
     let fitted = table.maybe("fit", |value| placing::fit(value, mesh.bounds))?;
-    let world_from_object = placing::transform(table)? * fitted.unwrap_or(Transform::IDENTITY);
+    let fitted = fitted.unwrap_or(Transform::IDENTITY);
+    let world_from_object = placing::after(placing::transform(table)?, fitted);
     for (place, moved) in instances::places(table, draft)? {
-        for &(mesh, own) in &mesh.parts {
-            let material = own.or(backup).ok_or_else(|| table.missing("material"))?;
-            let (shape, world_from_object) = (Shape::Mesh(mesh), moved * world_from_object);
+        for part in &mesh.parts {
+            let material = part.own.or(backup).or(part.stand_in);
+            let material = material.ok_or_else(|| table.missing("material"))?;
+            let world_from_file = placing::after(moved, world_from_object);
+            let world_from_object = placing::after(world_from_file, part.file_from_part);
+            let shape = Shape::Mesh(part.mesh);
             draft.add_object(&place, Object { shape, material, world_from_object })?;
         }
     }
@@ -111,8 +120,8 @@ fn inline<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<MeshFile, Scen
     }
     let bounds = bounds_of(&mesh.positions);
     let mesh = smoothed(mesh, crease(table)?, table, &mut draft.notes);
-    let id = draft.add_mesh(table, mesh).map_err(|kind| table.error(kind))?;
-    Ok(MeshFile { parts: vec![(id, None)], bounds, without_material: None })
+    let id = draft.add_mesh(table, mesh, MeshOrigin::Text).map_err(|kind| table.error(kind))?;
+    Ok(MeshFile { parts: vec![Part::new(id, None)], bounds, without_material: None })
 }
 
 fn triangles(value: &Value<'_>, vertices: usize) -> Result<Vec<[u32; 3]>, SceneError> {
@@ -176,16 +185,46 @@ fn from_file<'d>(
     for key in ["triangles", "normals", "uvs"] {
         table.at_most_one(&["file", key])?;
     }
-    let found = draft.files.find(value.text()?).map_err(|what| value.invalid(what))?;
+    let name = value.text()?;
+    let embedded = draft.files.embedded(name);
+    let (path, identity) = match embedded {
+        Some(_) => (draft.files.path(name), PathBuf::from(name)),
+        None => {
+            let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
+            (found.path, found.identity)
+        }
+    };
     let crease = crease(table)?;
-    let key = (found.identity, crease.map(f32::to_bits));
+    let key = (identity, crease.map(f32::to_bits));
     if let Some(known) = draft.mesh_files.get(&key) {
         return Ok(Rc::clone(known));
     }
-    let file =
-        mesh_file::read(&found.path, &draft.left, &draft.files.fence, |kind| value.error(kind))?;
-    draft.read.push(key.0.clone());
-    let read = Rc::new(take_in(file, crease, value, table, draft)?);
+    if mesh_file::is_document(&path) {
+        let options = ReadOptions {
+            limits: draft.left,
+            allow_outside: draft.files.fence.is_open(),
+            ..ReadOptions::default()
+        };
+        let model = match embedded {
+            Some(bytes) => gltf::model(bytes, &path, &options)?,
+            None => {
+                draft.read.push(key.0.clone());
+                gltf::model(&file::scene_bytes(&path, &draft.left)?, &path, &options)?
+            }
+        };
+        let read = Rc::new(take_in_model(model, crease, value, table, draft)?);
+        draft.mesh_files.insert(key, Rc::clone(&read));
+        return Ok(read);
+    }
+    let misnamed = |kind| value.error(kind);
+    let file = match embedded {
+        Some(bytes) => mesh_file::read_bytes(bytes, &path, &draft.left, misnamed)?,
+        None => {
+            draft.read.push(key.0.clone());
+            mesh_file::read(&path, &draft.left, &draft.files.fence, misnamed)?
+        }
+    };
+    let read = Rc::new(take_in(file, &key.0, crease, value, table, draft)?);
     draft.mesh_files.insert(key, Rc::clone(&read));
     Ok(read)
 }
@@ -193,30 +232,81 @@ fn from_file<'d>(
 /// Takes the contents of a mesh file into the scene.
 fn take_in<'d>(
     mut file: ObjScene,
+    identity: &Path,
     crease: Option<f32>,
     value: &Value<'d>,
     table: &Table<'d>,
     draft: &mut Draft<'d>,
 ) -> Result<MeshFile, SceneError> {
-    let first = draft.scene.materials.len();
-    let first_texture = draft.scene.textures.len();
+    let first = [draft.scene.materials.len(), draft.scene.textures.len()];
     let materials = mesh_file::adopt(&mut file, &mut draft.scene, &mut draft.pictures);
-    for i in first_texture..draft.scene.textures.len() {
-        draft.places.insert(Place::Texture(i), *table);
-    }
-    for i in first..draft.scene.materials.len() {
-        draft.places.insert(Place::Material(i), *table);
-    }
+    answer_for(first, table, draft);
     draft.notes.extend(file.notes);
     let without_material = mesh_file::without_material(&file.meshes, &materials);
 
+    let origin = match (&file.meshes[..], materials.is_empty()) {
+        ([(mesh, _)], true) => {
+            let crease = crease.filter(|_| mesh.normals.is_empty());
+            MeshOrigin::File { path: identity.to_owned(), crease }
+        }
+        (_, _) => MeshOrigin::Made,
+    };
     let mut bounds = Aabb::EMPTY;
     let mut parts = Vec::with_capacity(file.meshes.len());
     for (mesh, name) in file.meshes {
         bounds = bounds.union(bounds_of(&mesh.positions));
         let mesh = smoothed(mesh, crease, table, &mut draft.notes);
-        let id = draft.add_mesh(table, mesh).map_err(|kind| value.error(kind))?;
-        parts.push((id, name.and_then(|name| materials.get(&name).copied())));
+        let origin = origin.clone();
+        let id = draft.add_mesh(table, mesh, origin).map_err(|kind| value.error(kind))?;
+        parts.push(Part::new(id, name.and_then(|name| materials.get(&name).copied())));
     }
     Ok(MeshFile { parts, bounds, without_material })
+}
+
+/// Materials and textures from the `first` ones on come from a file that `table` names.
+fn answer_for<'d>([materials, textures]: [usize; 2], table: &Table<'d>, draft: &mut Draft<'d>) {
+    for i in textures..draft.scene.textures.len() {
+        draft.places.insert(Place::Texture(i), *table);
+    }
+    for i in materials..draft.scene.materials.len() {
+        draft.places.insert(Place::Material(i), *table);
+    }
+}
+
+/// Takes the things of a document into the scene.
+fn take_in_model<'d>(
+    mut model: Model,
+    crease: Option<f32>,
+    value: &Value<'d>,
+    table: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<MeshFile, SceneError> {
+    let first = [draft.scene.materials.len(), draft.scene.textures.len()];
+    let materials = mesh_file::adopt_model(&mut model, &mut draft.scene, &mut draft.pictures);
+    answer_for(first, table, draft);
+    draft.notes.extend(model.notes);
+    draft.read.extend(model.files);
+
+    let mut bounds = Aabb::EMPTY;
+    for object in &model.scene.objects {
+        let Shape::Mesh(id) = object.shape else { continue };
+        let positions = &model.scene.meshes[id.0 as usize].positions;
+        let placed = positions.iter().map(|&point| object.world_from_object.point(point));
+        bounds = bounds.union(bounds_of(&placed.collect::<Vec<_>>()));
+    }
+    let mut meshes = Vec::with_capacity(model.scene.meshes.len());
+    for mesh in model.scene.meshes {
+        let mesh = smoothed(mesh, crease, table, &mut draft.notes);
+        let id = draft.add_mesh(table, mesh, MeshOrigin::Made).map_err(|kind| value.error(kind))?;
+        meshes.push(id);
+    }
+    let parts = model.scene.objects.into_iter().filter_map(|object| {
+        let Shape::Mesh(id) = object.shape else { return None };
+        let material = Some(materials[object.material.0 as usize]);
+        let is_stand_in = model.stand_ins.contains(&object.material);
+        let (own, stand_in) = if is_stand_in { (None, material) } else { (material, None) };
+        let file_from_part = object.world_from_object;
+        Some(Part { mesh: meshes[id.0 as usize], own, stand_in, file_from_part })
+    });
+    Ok(MeshFile { parts: parts.collect(), bounds, without_material: None })
 }

@@ -12,7 +12,7 @@ use rutilant::material::{NormalMap, Opacity, OpacityMode};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
     Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Noise,
-    ScalarInput, UvMapping, Wrap,
+    ScalarInput, Texture, UvMapping, Wrap,
 };
 use rutilant_geom::Vec2;
 
@@ -34,6 +34,12 @@ const TYPES: &[(&str, Type)] = &[
 /// The usual colours of patterns.
 const DARK: Rgb = Rgb::grey(0.2);
 const LIGHT: Rgb = Rgb::grey(0.8);
+/// Those of bricks.
+const JOINT: f32 = 0.05;
+const SHIFT: f32 = 0.5;
+/// Those of noise.
+const OCTAVES: u32 = 6;
+const GAIN: f32 = 0.5;
 
 const ENCODINGS: &[(&str, Encoding)] = &[("srgb", Encoding::Srgb), ("linear", Encoding::Linear)];
 
@@ -97,8 +103,8 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
             let bricks = Bricks {
                 first: table.or("first", Value::color, DARK)?,
                 second: table.or("second", Value::color, LIGHT)?,
-                joint: table.or("joint", one_or_two, Vec2::splat(0.05))?,
-                shift: table.or("shift", Value::number, 0.5)?,
+                joint: table.or("joint", one_or_two, Vec2::splat(JOINT))?,
+                shift: table.or("shift", Value::number, SHIFT)?,
                 mapping: mapping(&table)?,
             };
             draft.add_texture(&table, called, bricks)
@@ -109,8 +115,8 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
             let noise = Noise {
                 first: table.or("first", Value::color, DARK)?,
                 second: table.or("second", Value::color, LIGHT)?,
-                octaves: table.or("octaves", Value::whole, 6)?,
-                gain: table.or("gain", Value::number, 0.5)?,
+                octaves: table.or("octaves", Value::whole, OCTAVES)?,
+                gain: table.or("gain", Value::number, GAIN)?,
                 mapping: mapping(&table)?,
             };
             draft.add_texture(&table, called, noise)
@@ -257,6 +263,79 @@ fn named(value: &Value<'_>, draft: &Draft<'_>) -> Result<TextureId, SceneError> 
         known.sort_unstable();
         value.unknown("texture", name, known)
     })
+}
+
+/// The keys that say all of a texture called `name`; `pictures` are the names of all pictures, by
+/// [`BitmapId`](rutilant::scene::BitmapId).
+pub(super) fn keys_of(name: &str, texture: &Texture, pictures: &[String]) -> Vec<Group> {
+    let mut groups = vec![Group::one(&["name"], said::text(name))];
+    let mapping = match texture {
+        Texture::Image(image) => {
+            let file = pictures.get(image.bitmap.0 as usize).map_or("", String::as_str);
+            let [u, v] = image.wrap.map(|wrap| said::name(WRAPS, &wrap));
+            let wrap = if u == v { u } else { said::numbers([u, v]) };
+            groups.extend([
+                Group::one(&["image"], said::text(file)),
+                Group::or(
+                    &["encoding"],
+                    said::name(ENCODINGS, &image.encoding),
+                    &said::name(ENCODINGS, &Encoding::Srgb),
+                ),
+                Group::or(&["wrap"], wrap, &said::name(WRAPS, &Wrap::Repeat)),
+                Group::or(
+                    &["interpolation"],
+                    said::name(INTERPOLATIONS, &image.interpolation),
+                    &said::name(INTERPOLATIONS, &Interpolation::Bilinear),
+                ),
+            ]);
+            image.mapping
+        }
+        Texture::Checker(checker) => {
+            groups.extend([
+                Group::one(&["type"], said::text("checker")),
+                Group::or(&["first"], color(checker.first), &color(DARK)),
+                Group::or(&["second"], color(checker.second), &color(LIGHT)),
+            ]);
+            checker.mapping
+        }
+        Texture::Bricks(bricks) => {
+            let both = |Vec2 { x, y }: Vec2| {
+                let same = x.to_bits() == y.to_bits();
+                if same { number(x) } else { said::numbers([x, y].map(number)) }
+            };
+            groups.extend([
+                Group::one(&["type"], said::text("bricks")),
+                Group::or(&["first"], color(bricks.first), &color(DARK)),
+                Group::or(&["second"], color(bricks.second), &color(LIGHT)),
+                Group::or(&["joint"], both(bricks.joint), &number(JOINT)),
+                Group::or(&["shift"], number(bricks.shift), &number(SHIFT)),
+            ]);
+            bricks.mapping
+        }
+        Texture::Noise(noise) => {
+            groups.extend([
+                Group::one(&["type"], said::text("noise")),
+                Group::or(&["first"], color(noise.first), &color(DARK)),
+                Group::or(&["second"], color(noise.second), &color(LIGHT)),
+                Group::or(&["octaves"], noise.octaves.to_string(), &OCTAVES.to_string()),
+                Group::or(&["gain"], number(noise.gain), &number(GAIN)),
+            ]);
+            noise.mapping
+        }
+    };
+    let UvMapping { set, scale: Vec2 { x, y }, rotation, offset } = mapping;
+    let scale = match x.to_bits() == y.to_bits() {
+        true => number(x),
+        false => said::numbers([x, y].map(number)),
+    };
+    let offset = said::numbers(offset.to_array().map(number));
+    groups.extend([
+        Group::or(&["uv_set"], set.to_string(), "0"),
+        Group::or(&["uv_scale"], scale, "1"),
+        Group::or(&["uv_rotation_degrees"], said::degrees(rotation), "0"),
+        Group::or(&["uv_offset"], offset, "[0, 0]"),
+    ]);
+    groups
 }
 
 /// A key with a colour that may be textured. `usual` is what is meant where the key is not there.

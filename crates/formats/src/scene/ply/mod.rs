@@ -7,8 +7,9 @@
 //! allocated for a count, so many bytes must be there.
 //!
 //! Point clouds come out as a mesh without triangles. Per-face texture
-//! coordinates and other properties are left out, with a note; colours, which
-//! most scans have, without one.
+//! coordinates and other properties are left out, with a note; colours in whole
+//! numbers, which most scans have, without one. [`to_bytes`] writes what is
+//! read here.
 //!
 //! Source: Turk, *The PLY Polygon File Format*, 1994. The names of texture
 //! coordinates are those that Blender, MeshLab, pbrt and LuxCore write.
@@ -17,6 +18,9 @@ mod faces;
 mod header;
 mod numbers;
 mod reader;
+mod write;
+
+pub use write::to_bytes;
 
 use crate::error::SceneError;
 use crate::file;

@@ -13,6 +13,18 @@ use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3};
 use std::path::Path;
 
+/// Where further sets of texture coordinates begin among the properties wanted.
+const FIRST_SET: usize = 16;
+
+/// At most so many sets of texture coordinates are read beside the first one.
+pub(super) const MORE_SETS: usize = 15;
+
+/// The direction in which u grows, and the side to which v does.
+pub(super) const TANGENT: [&str; 4] = ["tx", "ty", "tz", "tw"];
+
+/// Scene-linear, where they are floating-point numbers.
+pub(super) const COLOR: [&str; 4] = ["red", "green", "blue", "alpha"];
+
 /// A mesh on its way out of a file.
 pub(super) struct Reader<'a> {
     pub(super) bytes: &'a [u8],
@@ -131,9 +143,10 @@ impl<'a> Reader<'a> {
             let kind = SceneErrorKind::Limit { what: "vertices", asked: element.count, allowed };
             return Err(self.error_at(element.at, kind));
         }
-        // The properties wanted: x y z, then a normal, then texture coordinates.
+        // The properties wanted: x y z, a normal, texture coordinates, a tangent, a colour, then
+        // further sets of texture coordinates.
         const NONE: usize = usize::MAX;
-        let mut wanted = [NONE; 8];
+        let mut wanted = vec![NONE; FIRST_SET];
         for (slot, name) in ["x", "y", "z"].into_iter().enumerate() {
             wanted[slot] = element.find(name).ok_or_else(|| {
                 let what = format!("element \"vertex\" has no property \"{name}\"");
@@ -152,6 +165,28 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
+        if let [Some(x), Some(y), Some(z), Some(w)] = TANGENT.map(|name| element.find(name)) {
+            wanted[8..12].copy_from_slice(&[x, y, z, w]);
+        }
+        // Whole numbers are what scanners and photographs saw: not light, and not read.
+        let float = |name| {
+            let is_float = |i: &usize| !element.properties[*i].scalar.is_integer();
+            element.find(name).filter(is_float)
+        };
+        let [red, green, blue, alpha] = COLOR.map(float);
+        if let [Some(red), Some(green), Some(blue)] = [red, green, blue] {
+            wanted[12..16].copy_from_slice(&[red, green, blue, alpha.unwrap_or(NONE)]);
+        }
+        for set in 1..=MORE_SETS {
+            let pair = |u: &str, v: &str| [u, v].map(|name| element.find(&format!("{name}{set}")));
+            let found = [pair("s", "t"), pair("u", "v")].into_iter().find_map(|pair| match pair {
+                [Some(u), Some(v)] => Some([u, v]),
+                [_, _] => None,
+            });
+            wanted.extend(found.unwrap_or([NONE; 2]));
+        }
+        let used = wanted.iter().rposition(|&property| property != NONE).unwrap_or(0) + 1;
+        wanted.truncate(used.next_multiple_of(2).max(FIRST_SET));
         self.note_unread(element, |i| wanted.contains(&i));
 
         // The bytes for them are there: `must_fit` has counted.
@@ -160,6 +195,13 @@ impl<'a> Reader<'a> {
         self.mesh.positions.reserve_exact(count);
         self.mesh.normals.reserve_exact(if has_normals { count } else { 0 });
         self.mesh.uvs.reserve_exact(if has_uvs { count } else { 0 });
+        let (has_tangents, has_colors) = (wanted[8] != NONE, wanted[12] != NONE);
+        self.mesh.tangents.reserve_exact(if has_tangents { count } else { 0 });
+        self.mesh.colors.reserve_exact(if has_colors { count } else { 0 });
+        let has_set: Vec<bool> =
+            wanted[FIRST_SET..].chunks(2).map(|pair| pair[0] != NONE).collect();
+        let sets = has_set.iter().map(|has| Vec::with_capacity(if *has { count } else { 0 }));
+        self.mesh.more_uvs = sets.collect();
         let mut slots = vec![NONE; element.properties.len()];
         for (slot, &property) in wanted.iter().enumerate() {
             if property != NONE {
@@ -169,8 +211,9 @@ impl<'a> Reader<'a> {
         if element.properties.is_empty() {
             return Ok(());
         }
+        let mut values = vec![0.0; wanted.len()];
+        values[15] = 1.0;
         for i in 0..element.count {
-            let mut values = [0.0; 8];
             for (property, &slot) in element.properties.iter().zip(&slots) {
                 if slot != NONE && property.count.is_none() {
                     values[slot] = body
@@ -180,13 +223,28 @@ impl<'a> Reader<'a> {
                     self.skip_property(property, element, i, body)?;
                 }
             }
-            let [x, y, z, nx, ny, nz, u, v] = values;
+            let Some((&[x, y, z, nx, ny, nz, u, v], rest)) = values.split_first_chunk() else {
+                continue;
+            };
             self.mesh.positions.push(Vec3::new(x, y, z));
             if has_normals {
                 self.mesh.normals.push(Vec3::new(nx, ny, nz));
             }
             if has_uvs {
                 self.mesh.uvs.push(Vec2::new(u, v));
+            }
+            let (fours, _) = rest.as_chunks::<4>();
+            if let (true, Some(tangent)) = (has_tangents, fours.first()) {
+                self.mesh.tangents.push(*tangent);
+            }
+            if let (true, Some(color)) = (has_colors, fours.get(1)) {
+                self.mesh.colors.push(*color);
+            }
+            let (pairs, _) = values[FIRST_SET..].as_chunks::<2>();
+            for ((set, has), &uv) in self.mesh.more_uvs.iter_mut().zip(&has_set).zip(pairs) {
+                if *has {
+                    set.push(Vec2::from_array(uv));
+                }
             }
         }
         Ok(())
