@@ -594,8 +594,7 @@ fn a_document_is_saved_as_a_scene() {
     std::fs::write(&from, document).unwrap();
     desk.window_mut().open(Some(from.clone()), false);
     desk.until("the document", |w| w.document.as_ref().is_some_and(|d| d.text.is_none()));
-    desk.settle();
-    desk.window_mut().edit(|look| look.settings.size = [48, 36]);
+    desk.window_mut().edit(|look| (look.settings.size, look.settings.spp) = ([48, 36], 4));
     desk.window_mut().edit(|look| look.environment = Some(Environment::constant(Rgb::grey(0.3))));
     desk.settle();
     let to = desk.folder.path().join("mine.toml");
