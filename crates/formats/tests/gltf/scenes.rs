@@ -5,7 +5,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
-    Absorption, Emission, EmittedLight, Material, MaterialKind, OpacityMode, Principled,
+    Absorption, Emission, EmittedLight, Material, MaterialKind, OpacityMode, Principled, Sides,
 };
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
@@ -100,7 +100,7 @@ fn materials_arrive() {
     let scene = &loaded.scene;
     assert_eq!(scene.bitmaps.len(), 2);
     let material = &scene.materials[0];
-    assert_eq!(material.name, "all");
+    assert_eq!((&*material.name, material.sides), ("all", Sides::Both));
     let p = principled(material);
     assert_eq!((p.base_color, p.metallic, p.roughness), (Rgb::new(0.5, 0.6, 0.7), 0.25, 0.75));
     assert_eq!((p.ior, p.specular, p.transmission), (1.4, 0.9, 0.4));
@@ -160,7 +160,9 @@ fn plain_things_are_plain() {
     let unlit = &scene.materials[scene.objects[2].material.0 as usize];
     let light = EmittedLight::Radiance(Rgb::new(0.5, 0.25, 0.125));
     assert_eq!(unlit.kind, MaterialKind::Black);
-    assert_eq!(unlit.emission, Some(Emission { light, texture: None, two_sided: true }));
+    assert_eq!(unlit.emission, Some(Emission { light, texture: None, two_sided: false }));
+    // Both have only a front, unless they say otherwise.
+    assert!(scene.materials.iter().all(|m| m.sides == Sides::Front));
 }
 
 /// Lights and cameras stand where their nodes do; where there are none, a sky and an eye do.

@@ -258,6 +258,7 @@ fn edit(look: &mut Look, random: &mut Random, own: usize) {
             let plain = look.materials.iter().any(used);
             let parts: Vec<u32> = parts.iter().copied().filter(|p| *p as usize != i).collect();
             let material = &mut look.materials[i];
+            material.sides = [Sides::Both, Sides::Front][random.below(2)];
             material.kind = kind(random, plain, &parts);
             if matches!(&material.kind, MaterialKind::Dielectric(_)) {
                 material.emission = None;

@@ -163,7 +163,9 @@ impl Path<'_> {
                 Some(caustics) if depth == 1 && !sample.delta => {
                     caustics.lead(at, met.hit.t, ray.direction, sample.pdf)
                 }
-                Some(_) if sample.delta => lead * at.squeeze(ray.direction).unwrap_or(0.0),
+                Some(_) if sample.delta && !material.one_sided => {
+                    lead * at.squeeze(ray.direction).unwrap_or(0.0)
+                }
                 _ => 0.0,
             };
             if crossed {

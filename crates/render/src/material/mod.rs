@@ -11,6 +11,7 @@ mod mix;
 mod normal_map;
 mod opacity;
 mod principled;
+mod sides;
 mod thin_dielectric;
 
 pub use conductor::Conductor;
@@ -24,6 +25,7 @@ pub use mix::Mix;
 pub use normal_map::NormalMap;
 pub use opacity::{Opacity, OpacityMode};
 pub use principled::{Principled, PrincipledTextures};
+pub use sides::Sides;
 pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
@@ -48,6 +50,8 @@ pub struct Material {
     pub opacity: Option<Opacity>,
     /// Turns the normal that it is shaded by.
     pub normal_map: Option<NormalMap>,
+    /// From where it is there.
+    pub sides: Sides,
 }
 
 /// How a surface scatters light.
@@ -78,7 +82,8 @@ pub enum MaterialKind {
 impl Material {
     /// A material without a name that gives no light.
     pub fn new(kind: MaterialKind) -> Self {
-        Self { name: String::new(), kind, emission: None, opacity: None, normal_map: None }
+        let (emission, opacity, normal_map) = (None, None, None);
+        Self { name: String::new(), kind, emission, opacity, normal_map, sides: Sides::Both }
     }
 
     /// The same material under a name.
@@ -114,6 +119,34 @@ impl Material {
             | MaterialKind::ThinDielectric(_)
             | MaterialKind::Mix(_)
             | MaterialKind::Custom(_) => {}
+        }
+    }
+
+    /// True where rays meet its front alone. `all` are the materials of its scene.
+    pub(crate) fn is_one_sided(&self, all: &[Self]) -> bool {
+        match self.sides {
+            Sides::Both => false,
+            Sides::Front => !self.lets_light_through(all),
+        }
+    }
+
+    /// True where light that falls on one side may leave on the other. Custom materials are taken
+    /// to know what they say.
+    fn lets_light_through(&self, all: &[Self]) -> bool {
+        match &self.kind {
+            MaterialKind::Black
+            | MaterialKind::Matte(_)
+            | MaterialKind::Mirror(_)
+            | MaterialKind::Conductor(_)
+            | MaterialKind::Custom(_) => false,
+            MaterialKind::Null | MaterialKind::Dielectric(_) | MaterialKind::ThinDielectric(_) => {
+                true
+            }
+            MaterialKind::Principled(p) => p.transmission > 0.0 || p.diffuse_transmission > 0.0,
+            MaterialKind::Mix(mix) => [mix.first, mix.second]
+                .into_iter()
+                .filter_map(|id| all.get(id.0 as usize))
+                .any(|part| part.lets_light_through(&[])),
         }
     }
 

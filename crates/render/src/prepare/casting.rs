@@ -1,6 +1,7 @@
 //! What caustics come from is looked for in a scene: lights, and what throws their light.
 
 use super::casters::{Caster, Casters};
+use super::material::PreparedMaterial;
 use super::prepared::{ObjectEmitters, Prepared, PreparedObject};
 use crate::light::{Emitter, EmitterSelection, LampPoint};
 use crate::medium::{Border, Media};
@@ -61,7 +62,8 @@ impl Prepared {
     pub(super) fn find_casting(&self) -> Option<Casting> {
         /// A point of a lamp.
         const SOMEWHERE: Vec2 = Vec2::new(0.37, 0.61);
-        if !self.is_plain || !self.materials.iter().any(|m| m.bsdf.has_delta()) {
+        let casts = |m: &PreparedMaterial| m.bsdf.has_delta() && !m.one_sided;
+        if !self.is_plain || !self.materials.iter().any(casts) {
             return None;
         }
         let extents = self.extents.get_or_init(|| self.find_extents());
@@ -115,8 +117,11 @@ impl Prepared {
 
     /// Balls around everything that sends light on in single directions.
     fn casters(&self, extents: &[Extent]) -> Casters {
-        let casts =
-            |object: &PreparedObject| self.materials[object.material as usize].bsdf.delta_pmf();
+        // What has only a front lets light pass as if there were nothing.
+        let casts = |object: &PreparedObject| match &self.materials[object.material as usize] {
+            material if material.one_sided => 0.0,
+            material => material.bsdf.delta_pmf(),
+        };
         let mut reaches: Vec<f32> = extents.iter().map(|extent| extent.reach).collect();
         let reach = |(i, object): (usize, &u32)| {
             let center = extents[*object as usize].bounds.center();

@@ -30,6 +30,8 @@ pub(crate) struct PreparedMaterial {
     pub(super) glow: Option<TextureId>,
     /// True where rays go on as if there were nothing.
     pub(crate) passes: bool,
+    /// True where rays that come from behind do so.
+    pub(crate) one_sided: bool,
 }
 
 impl From<Bsdf> for PreparedMaterial {
@@ -43,6 +45,7 @@ impl From<Bsdf> for PreparedMaterial {
             normal_map: None,
             glow: None,
             passes: false,
+            one_sided: false,
         }
     }
 }
@@ -147,6 +150,7 @@ pub(super) fn prepare_materials(
             normal_map: material.normal_map,
             glow: material.emission.and_then(|emission| emission.texture),
             opacity: material.opacity.map(|opacity| push(&mut opacities, opacity)),
+            one_sided: material.is_one_sided(all),
             ..PreparedMaterial::from(Bsdf::sum(mean))
         };
         let mut vary = |what| Some(push(&mut varying, what));

@@ -25,7 +25,7 @@ use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
     Absorption, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
-    Principled, PrincipledTextures,
+    Principled, PrincipledTextures, Sides,
 };
 use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
@@ -159,7 +159,7 @@ impl Maker<'_> {
                 // White, rough metal, by the specification; nobody means that.
                 let textures = PrincipledTextures { vertex_colors, ..Default::default() };
                 let kind = Principled { roughness: 1.0, textures, ..Principled::default() };
-                Material::new(MaterialKind::Principled(Box::new(kind)))
+                Material { sides: Sides::Front, ..Material::from(kind) }
             }
         };
         let id = self.scene.add_material(material);
@@ -187,12 +187,15 @@ impl Maker<'_> {
             !always
         });
         let name = written.name.clone();
+        let sides = if written.double_sided { Sides::Both } else { Sides::Front };
         if written.unlit {
             let light = EmittedLight::Radiance(color);
-            let emission = Some(Emission { light, texture: base, two_sided: true });
+            let two_sided = written.double_sided;
+            let emission = Some(Emission { light, texture: base, two_sided });
             return Material {
                 emission,
                 opacity,
+                sides,
                 ..Material::new(MaterialKind::Black).named(name)
             };
         }
@@ -214,7 +217,7 @@ impl Maker<'_> {
             base,
             vertex_colors,
         )));
-        Material { emission, opacity, normal_map, ..Material::new(kind).named(name) }
+        Material { emission, opacity, normal_map, sides, ..Material::new(kind).named(name) }
     }
 
     fn principled(

@@ -54,7 +54,7 @@ pub(super) const NORMAL_MAP: &[&str] = &["texture", "image", "scale"];
 pub(super) const OPACITY: &[&str] =
     &["texture", "image", "channel", "factor", "vertex_colors", "cutoff"];
 
-pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
+pub(super) const ANY_MATERIAL: &[&str] = &["name", "type", "single_sided"];
 pub(super) const EMISSION: &[&str] =
     &["radiance", "power", "strength", "two_sided", "texture", "image"];
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map"];

@@ -13,7 +13,7 @@ use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
     MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures,
-    ThinDielectric,
+    Sides, ThinDielectric,
 };
 use rutilant::scene::{MaterialId, Place, TextureId};
 use rutilant::texture::{Channel, ColorInput, Encoding, ScalarInput};
@@ -78,6 +78,9 @@ pub(super) fn read_all<'d>(tables: &[Table<'d>], draft: &mut Draft<'d>) -> Resul
     }
     for table in tables {
         let material = read(table, draft)?.named(table.must("name", Value::text)?);
+        let single_sided = table.or("single_sided", Value::flag, false)?;
+        let sides = if single_sided { Sides::Front } else { Sides::Both };
+        let material = Material { sides, ..material };
         draft.add_material(table, material);
     }
     note_lost_emission(draft);
@@ -355,10 +358,13 @@ pub(super) fn keys_of(
 ) -> Option<Vec<Group>> {
     let name = Group::one(&["name"], said::text(&material.name));
     let kind = |name: &str| Group::one(&["type"], said::text(name));
+    let single_sided = (material.sides == Sides::Front).to_string();
+    let single_sided = Group::or(&["single_sided"], single_sided, "false");
     if let (MaterialKind::Black, Some(emission), true) = (&material.kind, &material.emission, lamp)
     {
         let mut groups = vec![name, kind("emissive")];
         groups.extend(keys_of_emission(emission, textures));
+        groups.push(single_sided);
         return Some(groups);
     }
     let rough = |roughness| Group::or(&["roughness"], number(roughness), "0");
@@ -432,6 +438,7 @@ pub(super) fn keys_of(
     groups.push(Group::of(&["opacity"], opacity.into_iter().collect::<Vec<_>>()));
     let map = material.normal_map.as_ref().map(|map| texture::said_normal_map(map, textures));
     groups.push(Group::of(&["normal_map"], map.into_iter().collect::<Vec<_>>()));
+    groups.push(single_sided);
     Some(groups)
 }
 

@@ -313,10 +313,14 @@ impl<'p> MetPacket<'p> {
         }
         let led =
             paths.lead.iter().enumerate().fold(0, |all, (i, l)| all | u32::from(*l > 0.0) << i);
-        for lane in each_lane(which & led & !delta) {
+        let one_sided = |lane: usize| self.materials[lane].is_some_and(|m| m.one_sided);
+        let onward = each_lane(led & delta)
+            .filter(|&lane| !one_sided(lane))
+            .fold(0, |all, lane| all | 1 << lane);
+        for lane in each_lane(which & led & !onward) {
             paths.lead[lane] = 0.0;
         }
-        for lane in each_lane(which & led & delta & self.smoothed) {
+        for lane in each_lane(which & onward & self.smoothed) {
             let came = surface.wo.negated().lane(lane);
             let squeeze = self.hits.hit(lane).and_then(|hit| {
                 scene.interaction(&hit, came).squeeze(at(&paths.rays.direction, lane))
