@@ -106,7 +106,7 @@ fn follow_through<'p>(
                     media.arrive_declared(border, from_front);
                 }
                 through *= transmittance(media.absorption, hit.t);
-                let varied = scene.varied_at(&hit, material);
+                let varied = scene.varied_at(&hit, &at, material);
                 let material = match varied {
                     None => material,
                     Some(material) => &made.insert(Made { material, beyond: None }).material,
@@ -124,7 +124,7 @@ fn follow_through<'p>(
             let (here, beyond) = media.arrive(&border, rank, from_front, also, table);
             through *= transmittance(media.absorption, hit.t);
             if here.interior.ior != here.exterior.ior {
-                let varied = scene.varied_at(&hit, material);
+                let varied = scene.varied_at(&hit, &at, material);
                 let material = varied.as_ref().unwrap_or(material).between(here);
                 let Made { material, beyond } =
                     made.insert(Made { material, beyond: Some(beyond) });

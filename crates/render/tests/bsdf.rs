@@ -97,6 +97,20 @@ fn all() -> Vec<Entry> {
         ),
         layered("layers: coated glass", PrincipledParameters { coat: 0.7, ..clear }, true),
         layered(
+            "layers: waves of varnish",
+            PrincipledParameters { coat_normal: Vec3::new(0.36, 0.0, 0.933), ..coated },
+            false,
+        ),
+        layered(
+            "layers: worn waves",
+            PrincipledParameters {
+                coat_normal: Vec3::new(0.0, -0.28, 0.96),
+                coat_roughness: 0.4,
+                ..coated
+            },
+            false,
+        ),
+        layered(
             "layers: velvet",
             PrincipledParameters {
                 base_color: [0.1, 0.1, 0.3].into(),

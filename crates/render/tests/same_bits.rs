@@ -10,7 +10,7 @@ use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
     Absorption, Dielectric, Emission, Material, Matte, Medium, Mirror, Mix, Opacity, OpacityMode,
-    Sides,
+    Principled, Sides,
 };
 use rutilant::scene::Scene;
 use rutilant::settings::{
@@ -199,6 +199,10 @@ fn scene_of_everything() -> Scene {
         add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.4) }, front, [x, -0.2, 2.2]);
         add(&mut scene, Shape::Sphere { radius: 9.0 }, front, [x, 0.0, 0.0]);
     }
+    let metal = Principled { metallic: 1.0, anisotropy: 0.8, ..Principled::default() };
+    let brushed = scene.add_material(metal);
+    add(&mut scene, sphere(), brushed, [0.2, -0.4, 2.1]);
+    add(&mut scene, Shape::Mesh(octahedron), brushed, [-1.5, 0.3, 1.6]);
     let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
     add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
     scene

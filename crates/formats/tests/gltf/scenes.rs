@@ -89,6 +89,10 @@ fn materials_arrive() {
                 "attenuationColor": [0.5, 0.25, 1.0],
             },
             "KHR_materials_clearcoat": {"clearcoatFactor": 0.6, "clearcoatRoughnessFactor": 0.1},
+            "KHR_materials_anisotropy": {
+                "anisotropyStrength": 0.5, "anisotropyRotation": 0.25,
+                "anisotropyTexture": {"index": second},
+            },
             "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3]},
             "KHR_materials_iridescence": {
                 "iridescenceFactor": 0.7, "iridescenceIor": 1.2,
@@ -108,6 +112,7 @@ fn materials_arrive() {
     let color = Rgb::new(0.5, 0.25, 1.0);
     assert_eq!(p.absorption, Absorption::ColorAtDistance { color, distance: 2.0 });
     assert_eq!((p.coat, p.coat_roughness), (0.6, 0.1));
+    assert_eq!((p.anisotropy, p.anisotropy_rotation), (0.5, 0.25));
     assert_eq!(p.sheen_color, Rgb::new(0.1, 0.2, 0.3));
     assert_eq!((p.iridescence, p.iridescence_ior, p.iridescence_thickness_nm), (0.7, 1.2, 500.0));
     let shown = |id| texel(scene, id);
@@ -119,6 +124,8 @@ fn materials_arrive() {
     assert_eq!(of.roughness, Some((metallic, Channel::Green)));
     let (specular, channel) = of.specular.unwrap();
     assert_eq!((shown(specular), channel), ((one.clone(), Encoding::Linear), Channel::Alpha));
+    assert_eq!(of.anisotropy, Some((metallic, Channel::Blue)));
+    assert_eq!(of.anisotropy_direction, Some(metallic));
     let map = material.normal_map.unwrap();
     assert_eq!((shown(map.texture), map.scale), ((two, Encoding::Linear), 0.5));
     let opacity = material.opacity.unwrap();

@@ -519,6 +519,7 @@ fn principled_materials_mean_what_they_say() {
         coat_color: Rgb::grey(0.23),
         coat_roughness: 0.24,
         coat_ior: 1.25,
+        coat_normal_map: None,
         sheen_color: Rgb::grey(0.26),
         sheen_roughness: 0.27,
         iridescence: 0.28,

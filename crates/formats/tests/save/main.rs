@@ -12,7 +12,7 @@ use rutilant::geom::Vec3;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Metal, Mirror, Mix, Principled, ThinDielectric,
+    MaterialKind, Matte, Metal, Mirror, Mix, Principled, Sides, ThinDielectric,
 };
 use rutilant::scene::MaterialId;
 use rutilant::settings::{Heuristic, IntegratorKind, SamplerKind};

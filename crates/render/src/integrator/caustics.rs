@@ -273,7 +273,7 @@ impl<'a> Caustics<'a> {
     ) -> bool {
         let at = self.scene.interaction(hit, path.ray.direction);
         let material = self.scene.material(&at);
-        let varied = self.scene.varied_at(hit, material);
+        let varied = self.scene.varied_at(hit, &at, material);
         let material = varied.as_ref().unwrap_or(material);
         let (wo, from_front) = (at.wo_local(), at.wo_local().z > 0.0);
         if material.one_sided && at.normal.dot(at.wo) < 0.0 {

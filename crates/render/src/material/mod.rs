@@ -109,7 +109,7 @@ impl Material {
         self.normal_map.iter_mut().for_each(|map| tell(&mut map.texture));
         self.emission.iter_mut().filter_map(|e| e.texture.as_mut()).for_each(&mut tell);
         match &mut self.kind {
-            MaterialKind::Principled(m) => m.textures.each_mut(tell),
+            MaterialKind::Principled(m) => m.each_texture_mut(tell),
             MaterialKind::Matte(m) => m.albedo.texture.iter_mut().for_each(&mut tell),
             MaterialKind::Black
             | MaterialKind::Null
@@ -188,7 +188,7 @@ impl Material {
             opacity.validate(place, textures)?;
         }
         if let Some(map) = &self.normal_map {
-            map.validate(place, textures)?;
+            map.validate(place, ["normal_map", "normal_scale"], textures)?;
         }
         self.emission.as_ref().map_or(Ok(()), |e| e.validate(place, textures))
     }

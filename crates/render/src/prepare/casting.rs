@@ -62,8 +62,7 @@ impl Prepared {
     pub(super) fn find_casting(&self) -> Option<Casting> {
         /// A point of a lamp.
         const SOMEWHERE: Vec2 = Vec2::new(0.37, 0.61);
-        let casts = |m: &PreparedMaterial| m.bsdf.has_delta() && !m.one_sided;
-        if !self.is_plain || !self.materials.iter().any(casts) {
+        if !self.is_plain || !self.materials.iter().any(PreparedMaterial::casts) {
             return None;
         }
         let extents = self.extents.get_or_init(|| self.find_extents());
@@ -117,10 +116,9 @@ impl Prepared {
 
     /// Balls around everything that sends light on in single directions.
     fn casters(&self, extents: &[Extent]) -> Casters {
-        // What has only a front lets light pass as if there were nothing.
-        let casts = |object: &PreparedObject| match &self.materials[object.material as usize] {
-            material if material.one_sided => 0.0,
-            material => material.bsdf.delta_pmf(),
+        let casts = |object: &PreparedObject| {
+            let material = &self.materials[object.material as usize];
+            if material.casts() { material.bsdf.delta_pmf() } else { 0.0 }
         };
         let mut reaches: Vec<f32> = extents.iter().map(|extent| extent.reach).collect();
         let reach = |(i, object): (usize, &u32)| {

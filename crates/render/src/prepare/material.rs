@@ -28,6 +28,8 @@ pub(crate) struct PreparedMaterial {
     pub(super) normal_map: Option<NormalMap>,
     /// What its light varies by.
     pub(super) glow: Option<TextureId>,
+    /// True where a coat has another normal than what is below it.
+    pub(super) own_coat: bool,
     /// True where rays go on as if there were nothing.
     pub(crate) passes: bool,
     /// True where rays that come from behind do so.
@@ -44,6 +46,7 @@ impl From<Bsdf> for PreparedMaterial {
             opacity: None,
             normal_map: None,
             glow: None,
+            own_coat: false,
             passes: false,
             one_sided: false,
         }
@@ -56,9 +59,15 @@ impl PreparedMaterial {
         self.border.and_then(|b| b.rank)
     }
 
-    /// True where a picture tells its normals or its light.
+    /// True where a picture tells its normals or its light, or a coat has normals of its own.
     pub(super) fn is_painted(&self) -> bool {
-        self.normal_map.is_some() || self.glow.is_some()
+        self.normal_map.is_some() || self.glow.is_some() || self.own_coat
+    }
+
+    /// True where light paths go on in single directions. What has only a front they pass, and a coat
+    /// with normals of its own would send them elsewhere than paths from the camera.
+    pub(super) fn casts(&self) -> bool {
+        self.bsdf.has_delta() && !self.one_sided && !self.own_coat
     }
 
     /// True where it scatters otherwise in different places.
@@ -167,7 +176,8 @@ pub(super) fn prepare_materials(
             MaterialKind::Null => prepared.passes = true,
             MaterialKind::Principled(p) => {
                 prepared.bsdf = textures.mean_principled(p).into();
-                if p.textures.vary() {
+                prepared.own_coat = p.has_own_coat_normal(material.normal_map.is_some());
+                if p.textures.vary() || p.is_anisotropic() || prepared.own_coat {
                     prepared.varying = vary(Varying::Principled(p.clone()));
                 }
                 if p.has_inside() {

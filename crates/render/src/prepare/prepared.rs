@@ -245,7 +245,9 @@ impl Prepared {
         SurfaceOf {
             material,
             emitter: object.emitter_of(primitive),
-            smoothed: object.first_normal.is_some() || material.normal_map.is_some(),
+            smoothed: object.first_normal.is_some()
+                || material.normal_map.is_some()
+                || material.own_coat,
         }
     }
 
@@ -256,7 +258,10 @@ impl Prepared {
         let flat =
             SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
         if self.materials[object.material as usize].is_painted() {
-            return self.painted(hit, object, flat);
+            let at = self.painted(hit, object, flat);
+            // A coat mirrors by another normal, which is bent for the camera's way.
+            let own_coat = self.materials[object.material as usize].own_coat;
+            return if own_coat { at.seen_by_the_camera_alone() } else { at };
         }
         let Some(first_normal) = object.first_normal else { return flat };
         let Some(vertices) = self.vertices(hit, object) else { return flat };
@@ -446,13 +451,14 @@ impl Prepared {
         &self.materials[interaction.material as usize]
     }
 
-    /// A material that varies, as it is where it was hit; `None` for all others.
+    /// A material that varies, as it is where it was hit and seen from `at`; `None` for all others.
     pub(crate) fn varied_at(
         &self,
         hit: &Hit,
+        at: &SurfaceInteraction,
         material: &PreparedMaterial,
     ) -> Option<PreparedMaterial> {
-        let bsdf = self.varied_bsdf(material.varying?, hit);
+        let bsdf = self.varied_bsdf(material.varying?, hit, at, material.own_coat);
         Some(PreparedMaterial { bsdf, ..*material })
     }
 

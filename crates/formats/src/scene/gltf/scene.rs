@@ -97,8 +97,8 @@ impl Maker<'_> {
         for (i, primitive) in document.meshes[number].primitives.iter().enumerate() {
             let written = document.material(primitive, self.variant);
             let material = self.material(written, primitive.colors.contains_key(&0));
-            let map = written.and_then(|m| document.materials[m].normal_texture);
-            let tangents = map.map(|map| map.set).filter(|_| primitive.tangents.is_none());
+            let wanted = written.and_then(|m| tangents_of(&document.materials[m]));
+            let tangents = wanted.filter(|_| primitive.tangents.is_none());
             // What is bent is another mesh at every node.
             let bends = placed.skin.is_some() || !primitive.targets.is_empty();
             let key = (number, i, tangents);
@@ -266,6 +266,10 @@ impl Maker<'_> {
         }
         if let Some(coat) = &written.clearcoat {
             (made.coat, made.coat_roughness) = (coat.factor, coat.roughness);
+            made.coat_normal_map = coat.normal_texture.as_ref().map(|map| NormalMap {
+                texture: self.texture(map, Encoding::Linear),
+                scale: coat.normal_scale,
+            });
             made.textures.coat = self.scalar(coat.texture.as_ref(), Channel::Red);
             made.textures.coat_roughness =
                 self.scalar(coat.roughness_texture.as_ref(), Channel::Green);
@@ -293,6 +297,10 @@ impl Maker<'_> {
         if let Some(anisotropy) = &written.anisotropy {
             made.anisotropy = anisotropy.strength;
             made.anisotropy_rotation = anisotropy.rotation;
+            let texture = anisotropy.texture.as_ref();
+            made.textures.anisotropy = self.scalar(texture, Channel::Blue);
+            made.textures.anisotropy_direction =
+                texture.map(|texture| self.texture(texture, Encoding::Linear));
         }
         if made.has_inside() && made.ior > MOST_ROUGH_IOR {
             made.ior = MOST_ROUGH_IOR;
@@ -449,6 +457,16 @@ const MOST_ROUGH_IOR: f32 = 2.5;
 const LEAST_LEFT: f32 = 1e-4;
 /// The thickest film that a material takes.
 const THICKEST_NM: f32 = 1e5;
+
+/// The set of coordinates whose tangents a material needs, if it needs some: those that its normals
+/// are told in, which are those of its scratches as well.
+fn tangents_of(written: &Written) -> Option<u32> {
+    let scratched = written.anisotropy.as_ref().filter(|anisotropy| anisotropy.strength > 0.0);
+    let scratches = scratched.map(|anisotropy| anisotropy.texture.map_or(0, |map| map.set));
+    let coat = written.clearcoat.as_ref().and_then(|coat| coat.normal_texture);
+    let map = written.normal_texture.or(coat);
+    map.map(|map| map.set).or(scratches)
+}
 
 /// A primitive without what bends.
 fn mesh_of(primitive: &Primitive, name: &str) -> Mesh {

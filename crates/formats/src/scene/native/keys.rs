@@ -50,6 +50,7 @@ pub(super) const CHECKER: &[&str] = &["first", "second"];
 pub(super) const COLOR_INPUT: &[&str] = &["texture", "image", "factor", "vertex_colors"];
 
 pub(super) const SCALAR_INPUT: &[&str] = &["texture", "image", "channel", "factor"];
+pub(super) const DIRECTIONS: &[&str] = &["texture", "image"];
 pub(super) const NORMAL_MAP: &[&str] = &["texture", "image", "scale"];
 pub(super) const OPACITY: &[&str] =
     &["texture", "image", "channel", "factor", "vertex_colors", "cutoff"];
@@ -79,6 +80,7 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "diffuse_roughness",
     "anisotropy",
     "anisotropy_rotation_degrees",
+    "anisotropy_direction",
     "specular",
     "specular_color",
     "ior",
@@ -94,6 +96,7 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "coat_color",
     "coat_roughness",
     "coat_ior",
+    "coat_normal_map",
     "sheen_color",
     "sheen_roughness",
     "iridescence",
@@ -133,6 +136,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a checker", CHECKER),
     ("a textured color", COLOR_INPUT),
     ("a textured number", SCALAR_INPUT),
+    ("a picture of directions", DIRECTIONS),
     ("a normal map", NORMAL_MAP),
     ("opacity", OPACITY),
     ("[[material]]", ANY_MATERIAL),
@@ -184,6 +188,7 @@ pub(super) fn is_known(name: &str) -> bool {
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("scale", &["uv_scale"]),
     ("normal_scale", &["normal_map"]),
+    ("coat_normal_scale", &["coat_normal_map"]),
     (
         "transform",
         &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit", "instances"],

@@ -12,8 +12,8 @@ use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures,
-    Sides, ThinDielectric,
+    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures, Sides,
+    ThinDielectric,
 };
 use rutilant::scene::{MaterialId, Place, TextureId};
 use rutilant::texture::{Channel, ColorInput, Encoding, ScalarInput};
@@ -243,6 +243,7 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
     };
     let metallic = part("metallic", usual.metallic, &mut textures.metallic)?;
     let roughness = part("roughness", usual.roughness, &mut textures.roughness)?;
+    let anisotropy = part("anisotropy", usual.anisotropy, &mut textures.anisotropy)?;
     let specular = part("specular", usual.specular, &mut textures.specular)?;
     let transmission = part("transmission", usual.transmission, &mut textures.transmission)?;
     let diffuse_transmission = part(
@@ -261,6 +262,10 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         usual.iridescence_thickness_nm,
         &mut textures.iridescence_thickness_nm,
     )?;
+    textures.anisotropy_direction =
+        table.maybe("anisotropy_direction", |value| texture::directions(value, table, draft))?;
+    let coat_normal_map =
+        table.maybe("coat_normal_map", |value| texture::normal_map(value, table, draft))?;
     let mut color = |key, usual: Rgb| {
         table.or(key, |value| texture::color_input(value, table, draft), ColorInput::from(usual))
     };
@@ -286,7 +291,7 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         metallic,
         roughness,
         diffuse_roughness: number("diffuse_roughness", usual.diffuse_roughness)?,
-        anisotropy: number("anisotropy", usual.anisotropy)?,
+        anisotropy,
         anisotropy_rotation: turn.to_radians(),
         specular,
         specular_color,
@@ -301,6 +306,7 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         coat_color: table.or("coat_color", Value::color, usual.coat_color)?,
         coat_roughness,
         coat_ior: number("coat_ior", usual.coat_ior)?,
+        coat_normal_map,
         sheen_color,
         sheen_roughness,
         iridescence,
@@ -436,7 +442,8 @@ pub(super) fn keys_of(
     groups.push(Group::of(&["emission"], emission.into_iter().collect::<Vec<_>>()));
     let opacity = material.opacity.as_ref().map(|o| texture::said_opacity(o, textures));
     groups.push(Group::of(&["opacity"], opacity.into_iter().collect::<Vec<_>>()));
-    let map = material.normal_map.as_ref().map(|map| texture::said_normal_map(map, textures));
+    let map = material.normal_map.as_ref();
+    let map = map.map(|map| texture::said_normal_map("normal_map", map, textures));
     groups.push(Group::of(&["normal_map"], map.into_iter().collect::<Vec<_>>()));
     groups.push(single_sided);
     Some(groups)
@@ -453,13 +460,18 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
         let input = ColorInput { factor, texture, vertex_colors };
         Group::of(key, [texture::said_color(key[0], &input, names, &color(usual))])
     };
+    let scratches = of.anisotropy_direction;
+    let scratches = scratches.map(|id| texture::said_directions("anisotropy_direction", id, names));
+    let coat_map = m.coat_normal_map.as_ref();
+    let coat_map = coat_map.map(|map| texture::said_normal_map("coat_normal_map", map, names));
     vec![
         tint(&["base_color"], m.base_color, of.base_color, of.vertex_colors, usual.base_color),
         part(&["metallic"], m.metallic, of.metallic, usual.metallic),
         part(&["roughness"], m.roughness, of.roughness, usual.roughness),
         number(&["diffuse_roughness"], m.diffuse_roughness, usual.diffuse_roughness),
-        number(&["anisotropy"], m.anisotropy, usual.anisotropy),
+        part(&["anisotropy"], m.anisotropy, of.anisotropy, usual.anisotropy),
         Group::or(&["anisotropy_rotation_degrees"], degrees(m.anisotropy_rotation), "0"),
+        Group::of(&["anisotropy_direction"], scratches.into_iter().collect::<Vec<_>>()),
         part(&["specular"], m.specular, of.specular, usual.specular),
         tint(&["specular_color"], m.specular_color, of.specular_color, false, usual.specular_color),
         number(&["ior"], m.ior, usual.ior),
@@ -484,6 +496,7 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
         Group::or(&["coat_color"], color(m.coat_color), &color(usual.coat_color)),
         part(&["coat_roughness"], m.coat_roughness, of.coat_roughness, usual.coat_roughness),
         number(&["coat_ior"], m.coat_ior, usual.coat_ior),
+        Group::of(&["coat_normal_map"], coat_map.into_iter().collect::<Vec<_>>()),
         tint(&["sheen_color"], m.sheen_color, of.sheen_color, false, usual.sheen_color),
         part(&["sheen_roughness"], m.sheen_roughness, of.sheen_roughness, usual.sheen_roughness),
         part(&["iridescence"], m.iridescence, of.iridescence, usual.iridescence),
