@@ -84,6 +84,7 @@ fn materials_arrive() {
             "KHR_materials_ior": {"ior": 1.4},
             "KHR_materials_specular": {"specularFactor": 0.9, "specularTexture": {"index": first}},
             "KHR_materials_transmission": {"transmissionFactor": 0.4},
+            "KHR_materials_dispersion": {"dispersion": 0.3},
             "KHR_materials_volume": {
                 "thicknessFactor": 1.0, "attenuationDistance": 2.0,
                 "attenuationColor": [0.5, 0.25, 1.0],
@@ -96,7 +97,7 @@ fn materials_arrive() {
             "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3]},
             "KHR_materials_iridescence": {
                 "iridescenceFactor": 0.7, "iridescenceIor": 1.2,
-                "iridescenceThicknessMaximum": 500.0,
+                "iridescenceThicknessMinimum": 50.0, "iridescenceThicknessMaximum": 500.0,
             },
         },
     }]);
@@ -108,7 +109,7 @@ fn materials_arrive() {
     let p = principled(material);
     assert_eq!((p.base_color, p.metallic, p.roughness), (Rgb::new(0.5, 0.6, 0.7), 0.25, 0.75));
     assert_eq!((p.ior, p.specular, p.transmission), (1.4, 0.9, 0.4));
-    assert!(!p.thin_walled);
+    assert!(!p.thin_walled && p.dispersion == 0.3 && p.iridescence_thickness_minimum_nm == 50.0);
     let color = Rgb::new(0.5, 0.25, 1.0);
     assert_eq!(p.absorption, Absorption::ColorAtDistance { color, distance: 2.0 });
     assert_eq!((p.coat, p.coat_roughness), (0.6, 0.1));

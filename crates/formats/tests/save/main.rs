@@ -159,6 +159,7 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
             sheen_color: rgb(random),
             iridescence: random.unit(),
             iridescence_thickness_nm: 900.0 * random.unit(),
+            iridescence_thickness_minimum_nm: 90.0 * random.unit(),
             ..Principled::default()
         })),
         _ => {
@@ -171,6 +172,7 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
                     distance: [1.0, 0.3][random.below(2)],
                 },
             };
+            glass.dispersion = [0.0, 0.36][random.below(2)];
             glass.fresnel = [Fresnel::Exact, Fresnel::Schlick][random.below(2)];
             MaterialKind::Dielectric(glass)
         }

@@ -15,7 +15,7 @@
 //! Source: Arvo, "Backward Ray Tracing", SIGGRAPH 1986 course notes; Veach 1997, sections 5.2,
 //! 5.3 and 10.2.
 
-use super::dimension::{Bounce, light_path};
+use super::dimension::{BAND, Bounce, light_path};
 use super::path::survival;
 use crate::camera::PreparedCamera;
 use crate::color::Spectrum;
@@ -294,6 +294,13 @@ impl<'a> Caustics<'a> {
             path.media.arrive_declared(border, from_front);
         }
         path.left *= transmittance(path.media.absorption, hit.t);
+
+        // Of colours that are bent differently here only one goes on.
+        let mut room = None;
+        let u = || path.sampler.d1(BAND);
+        let media = &mut path.media;
+        let (worth, material) = self.scene.in_one_band(material, media, u, &mut room);
+        path.left *= worth;
 
         // What was thrown here may be seen by the camera.
         let thrown = path.depth > 1 && path.depth < self.max_depth;

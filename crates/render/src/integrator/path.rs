@@ -12,7 +12,7 @@
 
 use super::caustics::Caustics;
 use super::control::Control;
-use super::dimension::Bounce;
+use super::dimension::{BAND, Bounce};
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
 use super::packet::Starts;
@@ -66,6 +66,7 @@ impl Integrator for Path<'_> {
         rays: &mut u64,
     ) -> bool {
         scene.is_plain()
+            && !scene.disperses()
             && with_vectors!(scene.surfaces().level(), simd => {
                 self.trace_all(simd, scene, starts, radiance, rays);
                 true
@@ -136,6 +137,13 @@ impl Path<'_> {
             if depth == self.max_depth {
                 break;
             }
+
+            // Of colours that are bent differently here only one goes on.
+            let mut room = None;
+            let u = || sampler.d1(BAND);
+            let (worth, material) = scene.in_one_band(material, &mut media, u, &mut room);
+            throughput *= worth;
+            control.carries(throughput);
 
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);

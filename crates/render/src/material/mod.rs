@@ -16,7 +16,7 @@ mod thin_dielectric;
 
 pub use conductor::Conductor;
 pub use custom::{CustomMaterial, SurfacePoint};
-pub use dielectric::{Absorption, Dielectric, Medium};
+pub use dielectric::{Absorption, Dielectric, Medium, most_rough_dispersion};
 pub use emission::{Emission, EmittedLight};
 pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;

@@ -1,9 +1,12 @@
 //! Layers over a base: plastic, painted and brushed metal, varnished wood, cloth, coloured glass.
 
-use super::dielectric::{Absorption, MAX_IOR, MOST_ROUGH_RATIO};
+use super::dielectric::{
+    Absorption, DISPERSION, MAX_IOR, MOST_ROUGH_RATIO, check_rough_dispersion,
+};
 use super::normal_map::NormalMap;
 use crate::bsdf::PrincipledParameters;
 use crate::color::{Rgb, Spectrum};
+use crate::dispersion::largest_index;
 use crate::id::TextureId;
 use crate::problem::{FINITE, Place, SceneProblem, UNIT};
 use crate::texture::Channel;
@@ -34,6 +37,9 @@ pub struct Principled {
     pub specular_color: Rgb,
     /// Index of refraction of the dielectric, 1 to 10.
     pub ior: f32,
+    /// How much a body's index changes with the colour of light that goes into it: as for
+    /// [`Dielectric`](super::Dielectric).
+    pub dispersion: f32,
     /// The part of what enters the dielectric that goes through instead of into a matte body.
     pub transmission: f32,
     /// Whether there is nothing behind the surface. If there is, it is a closed body, and its
@@ -65,8 +71,10 @@ pub struct Principled {
     pub iridescence: f32,
     /// Index of refraction of the film, 1 to 10.
     pub iridescence_ior: f32,
-    /// How thick the film is, in nanometres, 0 to 100000.
+    /// How thick the film is, in nanometres, 0 to 100000; where a texture is 1, if it has one.
     pub iridescence_thickness_nm: f32,
+    /// How thick it is where its texture is 0.
+    pub iridescence_thickness_minimum_nm: f32,
     /// What varies over the surface: factors on the numbers.
     pub textures: PrincipledTextures,
 }
@@ -149,6 +157,7 @@ impl Default for Principled {
             specular: 1.0,
             specular_color: Rgb::WHITE,
             ior: 1.5,
+            dispersion: 0.0,
             transmission: 0.0,
             thin_walled: false,
             diffuse_transmission: 0.0,
@@ -165,6 +174,7 @@ impl Default for Principled {
             iridescence: 0.0,
             iridescence_ior: 1.3,
             iridescence_thickness_nm: 400.0,
+            iridescence_thickness_minimum_nm: 0.0,
             textures: PrincipledTextures::default(),
         }
     }
@@ -232,6 +242,11 @@ impl Principled {
         // Whatever pictures hold, a part is a part.
         let part = |factor, texture| scalar(factor, texture).clamp(0.0, 1.0);
         let tint = |factor, texture| color(factor, texture, false);
+        let [least, most] = [self.iridescence_thickness_minimum_nm, self.iridescence_thickness_nm];
+        let thickness = match of.iridescence_thickness_nm {
+            None => most,
+            Some(texture) => least + (most - least) * scalar(1.0, Some(texture)),
+        };
         PrincipledParameters {
             base_color: color(self.base_color, of.base_color, of.vertex_colors),
             metallic: part(self.metallic, of.metallic),
@@ -250,11 +265,7 @@ impl Principled {
             sheen_color: tint(self.sheen_color, of.sheen_color),
             sheen_roughness: part(self.sheen_roughness, of.sheen_roughness),
             iridescence: part(self.iridescence, of.iridescence),
-            iridescence_thickness_nm: scalar(
-                self.iridescence_thickness_nm,
-                of.iridescence_thickness_nm,
-            )
-            .clamp(0.0, THICKEST_FILM),
+            iridescence_thickness_nm: thickness.clamp(0.0, THICKEST_FILM),
             ..self.parameters()
         }
     }
@@ -298,8 +309,13 @@ impl Principled {
             place.check(key, [ior], 1.0..=MAX_IOR)?;
         }
         place.check("anisotropy_rotation_degrees", [self.anisotropy_rotation], FINITE)?;
-        let thickness = self.iridescence_thickness_nm;
-        place.check("iridescence_thickness_nm", [thickness], 0.0..=THICKEST_FILM)?;
+        for (key, thickness) in [
+            ("iridescence_thickness_nm", self.iridescence_thickness_nm),
+            ("iridescence_thickness_minimum_nm", self.iridescence_thickness_minimum_nm),
+        ] {
+            place.check(key, [thickness], 0.0..=THICKEST_FILM)?;
+        }
+        place.check("dispersion", [self.dispersion], DISPERSION)?;
         if let Some(map) = &self.coat_normal_map {
             map.validate(place, ["coat_normal_map", "coat_normal_scale"], textures)?;
         }
@@ -317,6 +333,9 @@ impl Principled {
                 self.roughness, self.ior
             );
             return Err(place.problem("roughness", what));
+        }
+        if self.has_inside() && is_rough {
+            check_rough_dispersion(place, largest_index(self.ior, self.dispersion))?;
         }
         if self.priority.is_some() && !self.has_inside() {
             let what = "a priority is for bodies that light goes through: transmission must be \

@@ -1,6 +1,6 @@
 //! A scene is put together: shapes become surfaces in the world, and what shines emitters.
 
-use super::material::{passes, prepare_materials};
+use super::material::{disperse, passes, prepare_materials};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
@@ -159,7 +159,8 @@ impl Assembly {
         }
         let known = before.map(|before| &*before.textures);
         let textures = PreparedTextures::new(scene, known, &mut self.notes);
-        let (materials, varying, opacities) = prepare_materials(&scene.materials, &textures);
+        let (mut materials, varying, opacities) = prepare_materials(&scene.materials, &textures);
+        let (bands, dispersed) = disperse(&mut materials).unzip();
         let some_open = !opacities.is_empty() || materials.iter().any(|m| m.one_sided);
         let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
         ranked.retain(|b| b.rank.is_some());
@@ -205,6 +206,8 @@ impl Assembly {
             materials: materials.into(),
             opacities: opacities.into(),
             varying: varying.into(),
+            bands: bands.map(Arc::new),
+            dispersed: dispersed.unwrap_or_default().into(),
             light_beyond_sampling: !ranked_media.is_empty()
                 || self.emitters.iter().any(Emitter::is_custom),
             ranked_media: ranked_media.into(),

@@ -3,6 +3,7 @@
 use super::casters::{Caster, Casters};
 use super::material::PreparedMaterial;
 use super::prepared::{ObjectEmitters, Prepared, PreparedObject};
+use crate::dispersion::Bands;
 use crate::light::{Emitter, EmitterSelection, LampPoint};
 use crate::medium::{Border, Media};
 use rayon::prelude::*;
@@ -109,6 +110,7 @@ impl Prepared {
         let radiances =
             self.emitters.iter().zip(shines).filter(|(_, s)| *s).map(|(e, _)| radiance(e));
         let brightest = radiances.chain(sky.map(|(_, sky)| sky.brightest())).fold(0.0, f32::max);
+        let brightest = if self.disperses() { brightest * Bands::MOST_WORTH } else { brightest };
         let sky = sky.map(|(i, _)| i as u32);
         let none = matches!(lamps, EmitterSelection::None) && sky.is_none();
         (!none).then_some(Casting { casters, lamps, sky, media, brightest })

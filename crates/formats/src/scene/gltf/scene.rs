@@ -25,7 +25,7 @@ use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
     Absorption, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
-    Principled, PrincipledTextures, Sides,
+    Principled, PrincipledTextures, Sides, most_rough_dispersion,
 };
 use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
@@ -283,6 +283,8 @@ impl Maker<'_> {
         if let Some(film) = &written.iridescence {
             (made.iridescence, made.iridescence_ior) = (film.factor, film.ior.clamp(1.0, MOST_IOR));
             made.iridescence_thickness_nm = film.thickness_maximum_nm.clamp(0.0, THICKEST_NM);
+            made.iridescence_thickness_minimum_nm =
+                film.thickness_minimum_nm.clamp(0.0, THICKEST_NM);
             made.textures.iridescence = self.scalar(film.texture.as_ref(), Channel::Red);
             made.textures.iridescence_thickness_nm =
                 self.scalar(film.thickness_texture.as_ref(), Channel::Green);
@@ -302,8 +304,12 @@ impl Maker<'_> {
             made.textures.anisotropy_direction =
                 texture.map(|texture| self.texture(texture, Encoding::Linear));
         }
-        if made.has_inside() && made.ior > MOST_ROUGH_IOR {
-            made.ior = MOST_ROUGH_IOR;
+        if made.has_inside() {
+            made.ior = made.ior.min(MOST_ROUGH_IOR);
+            // Violet light, which is bent most, must get out of rough glass as well.
+            let rough = made.roughness > 0.0 || made.anisotropy > 0.0;
+            let most = if rough { most_rough_dispersion(made.ior) } else { MOST_DISPERSION };
+            made.dispersion = written.dispersion.min(most);
         }
         made
     }
@@ -453,6 +459,8 @@ impl Maker<'_> {
 const MOST_IOR: f32 = 10.0;
 /// That of rough glass.
 const MOST_ROUGH_IOR: f32 = 2.5;
+/// The most that a material disperses: an Abbe number of 1.
+const MOST_DISPERSION: f32 = 20.0;
 /// What is left of light at least, for there to be a coefficient.
 const LEAST_LEFT: f32 = 1e-4;
 /// The thickest film that a material takes.

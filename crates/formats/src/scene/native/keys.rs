@@ -65,6 +65,7 @@ pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
 pub(super) const DIELECTRIC: &[&str] = &[
     "ior",
     "exterior_ior",
+    "dispersion",
     "roughness",
     "sigma_a",
     "absorption_color",
@@ -84,6 +85,7 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "specular",
     "specular_color",
     "ior",
+    "dispersion",
     "transmission",
     "thin_walled",
     "diffuse_transmission",
@@ -102,6 +104,7 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "iridescence",
     "iridescence_ior",
     "iridescence_thickness_nm",
+    "iridescence_thickness_minimum_nm",
 ];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 

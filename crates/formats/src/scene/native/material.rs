@@ -226,6 +226,7 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
         fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
         priority: table.maybe("priority", Value::whole)?,
         roughness: roughness(table)?,
+        dispersion: table.or("dispersion", Value::number, 0.0)?,
     })
 }
 
@@ -296,6 +297,7 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         specular,
         specular_color,
         ior: number("ior", usual.ior)?,
+        dispersion: number("dispersion", usual.dispersion)?,
         transmission,
         thin_walled: table.or("thin_walled", Value::flag, usual.thin_walled)?,
         diffuse_transmission,
@@ -312,6 +314,10 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         iridescence,
         iridescence_ior: number("iridescence_ior", usual.iridescence_ior)?,
         iridescence_thickness_nm,
+        iridescence_thickness_minimum_nm: number(
+            "iridescence_thickness_minimum_nm",
+            usual.iridescence_thickness_minimum_nm,
+        )?,
         textures,
     })
 }
@@ -412,6 +418,7 @@ pub(super) fn keys_of(
                 Group::or(&["fresnel"], said::name(FRESNELS, &m.fresnel), &usual),
                 Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
                 rough(m.roughness),
+                Group::or(&["dispersion"], number(m.dispersion), "0"),
             ]
         }
         MaterialKind::ThinDielectric(m) => vec![
@@ -475,6 +482,7 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
         part(&["specular"], m.specular, of.specular, usual.specular),
         tint(&["specular_color"], m.specular_color, of.specular_color, false, usual.specular_color),
         number(&["ior"], m.ior, usual.ior),
+        number(&["dispersion"], m.dispersion, usual.dispersion),
         part(&["transmission"], m.transmission, of.transmission, usual.transmission),
         Group::or(&["thin_walled"], m.thin_walled.to_string(), "false"),
         part(
@@ -506,6 +514,11 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
             m.iridescence_thickness_nm,
             of.iridescence_thickness_nm,
             usual.iridescence_thickness_nm,
+        ),
+        number(
+            &["iridescence_thickness_minimum_nm"],
+            m.iridescence_thickness_minimum_nm,
+            usual.iridescence_thickness_minimum_nm,
         ),
     ]
 }
