@@ -106,7 +106,7 @@ fn follow_through<'p>(
                     media.arrive_declared(border, from_front);
                 }
                 through *= transmittance(media.absorption, hit.t);
-                let varied = scene.varied_at(&hit, material);
+                let varied = scene.varied_at(&hit, &at, material);
                 let material = match varied {
                     None => material,
                     Some(material) => &made.insert(Made { material, beyond: None }).material,
@@ -123,8 +123,8 @@ fn follow_through<'p>(
             let table = scene.ranked_media();
             let (here, beyond) = media.arrive(&border, rank, from_front, also, table);
             through *= transmittance(media.absorption, hit.t);
-            if here.interior.ior != here.exterior.ior {
-                let varied = scene.varied_at(&hit, material);
+            if !here.interior.bends_like(&here.exterior) {
+                let varied = scene.varied_at(&hit, &at, material);
                 let material = varied.as_ref().unwrap_or(material).between(here);
                 let Made { material, beyond } =
                     made.insert(Made { material, beyond: Some(beyond) });
@@ -165,7 +165,7 @@ impl Met<'_> {
     /// Notes in `media` that a scattered ray has gone through the surface.
     pub(crate) fn cross(&self, media: &mut Media) {
         match (self.beyond, &self.material.border) {
-            (Some(beyond), _) => *media = *beyond,
+            (Some(beyond), _) => media.go_on(beyond),
             (None, Some(border)) => media.pass_declared(border, self.at.wo_local().z > 0.0),
             (None, None) => {}
         }

@@ -84,6 +84,23 @@ impl SurfaceInteraction {
         Self { shading: Frame::around(bent), smooth_position, leaning, ..self }
     }
 
+    /// The same where light that comes another way would see another normal.
+    pub(crate) fn seen_by_the_camera_alone(self) -> Self {
+        Self { leaning: Leaning::Bent, ..self }
+    }
+
+    /// The normal of a layer above the surface, any length, as a unit vector in the shading frame, on
+    /// the front: bent where needed so that `wo` and its mirror image stay on their side of the true
+    /// surface, and of the plane that the shading normal describes.
+    pub(crate) fn bent(&self, normal: Vec3) -> Vec3 {
+        let normal = normal.normalize_or(self.normal);
+        let front = if normal.dot(self.normal) < 0.0 { -1.0 } else { 1.0 };
+        let side = if self.wo.dot(self.normal) < 0.0 { -1.0 } else { 1.0 };
+        let above = consistent_normal(side * front * normal, side * self.normal, self.wo);
+        let above = consistent_normal(above, side * self.shading.z, self.wo);
+        self.shading.to_local(side * above).normalize()
+    }
+
     /// True where the shading normal is the true one.
     pub(crate) fn is_flat(&self) -> bool {
         self.leaning == Leaning::None

@@ -41,6 +41,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod color;
 mod cpu;
+mod dispersion;
 pub mod display;
 pub mod false_color;
 pub mod film;

@@ -17,14 +17,32 @@
 //! JGT 7(2), 2002.
 
 use crate::color::Spectrum;
+use crate::dispersion::index;
 
 /// A clear medium as it meets light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PreparedMedium {
     /// Index of refraction.
     pub(crate) ior: f32,
+    /// How much that changes with the wavelength: 20 over the Abbe number.
+    pub(crate) dispersion: f32,
     /// What it absorbs, in 1/m.
     pub(crate) absorption: Spectrum,
+}
+
+impl PreparedMedium {
+    /// The index of refraction for light of this wavelength in nanometres.
+    fn ior_at(&self, wavelength_nm: f32) -> f32 {
+        if self.dispersion == 0.0 {
+            return self.ior;
+        }
+        index(self.ior, self.dispersion, wavelength_nm)
+    }
+
+    /// Whether it bends all light as that other one does.
+    pub(crate) fn bends_like(&self, other: &Self) -> bool {
+        self.ior == other.ior && self.dispersion == other.dispersion
+    }
 }
 
 /// What fills the space on both sides of a clear surface.
@@ -41,6 +59,17 @@ pub(crate) struct Border {
 }
 
 impl Border {
+    /// Whether it bends light of each wavelength differently.
+    pub(crate) fn disperses(&self) -> bool {
+        self.interior.dispersion > 0.0 || self.exterior.dispersion > 0.0
+    }
+
+    /// The index of refraction behind it over that in front, for light of this wavelength in
+    /// nanometres.
+    pub(crate) fn eta_at(&self, wavelength_nm: f32) -> f32 {
+        self.interior.ior_at(wavelength_nm) / self.exterior.ior_at(wavelength_nm)
+    }
+
     /// The absorption in front of the surface, or behind it.
     pub(crate) fn absorption(&self, in_front: bool) -> Spectrum {
         if in_front { self.exterior.absorption } else { self.interior.absorption }
@@ -52,6 +81,9 @@ impl Border {
 pub(crate) struct Media {
     /// What the medium around the ray absorbs, in 1/m.
     pub(crate) absorption: Spectrum,
+    /// The number of the band of the spectrum that the path is left with, where it met something
+    /// that bends them differently.
+    pub(crate) band: Option<u8>,
     /// The media with a priority that the ray is inside of, the strongest first.
     inside: [Inside; Self::MOST],
     /// How many of these there are.
@@ -84,12 +116,18 @@ impl Media {
     /// Inside of nothing.
     pub(crate) const NONE: Self = Self {
         absorption: Spectrum::BLACK,
+        band: None,
         inside: [Inside { rank: 0, times: 0 }; Self::MOST],
         count: 0,
         dropped: 0,
         around: [(0, Spectrum::BLACK); Self::MOST_DECLARED],
         declared: 0,
     };
+
+    /// Goes on into what there is beyond a border, with the colour that the path has.
+    pub(crate) fn go_on(&mut self, beyond: &Self) {
+        *self = Self { band: self.band, ..*beyond };
+    }
 
     /// Notes that the ray has come to a border without a priority. It knows what is behind it, and
     /// what is in front of it if it says that something absorbs there.
@@ -218,7 +256,7 @@ mod tests {
 
     /// Media told apart by their indices: 2 for the strongest, 3 for the next.
     fn medium(ior: f32) -> PreparedMedium {
-        PreparedMedium { ior, absorption: Spectrum::splat(ior) }
+        PreparedMedium { ior, dispersion: 0.0, absorption: Spectrum::splat(ior) }
     }
 
     /// The indices in front and behind, after passing through.

@@ -156,6 +156,7 @@ fn any_surface(k: u64) -> PrincipledParameters {
         coat: part(),
         coat_roughness: part(),
         coat_ior: 1.0 + part(),
+        coat_normal: Vec3::Z,
         sheen_color: sheen_color * part().floor(),
         sheen_roughness: part(),
         iridescence: part(),

@@ -10,6 +10,7 @@ use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
     Absorption, Dielectric, Emission, Material, Matte, Medium, Mirror, Mix, Opacity, OpacityMode,
+    Principled, Sides,
 };
 use rutilant::scene::Scene;
 use rutilant::settings::{
@@ -131,6 +132,10 @@ fn assert_together_as_alone(scene: &Scene) {
     }
 }
 
+fn mirror_of(reflectance: f32) -> Material {
+    Mirror { reflectance: Rgb::grey(reflectance) }.into()
+}
+
 /// What eight paths do at once, and what each does for itself.
 fn scene_of_everything() -> Scene {
     let mut scene = open_scene();
@@ -187,6 +192,17 @@ fn scene_of_everything() -> Scene {
         add(&mut scene, Shape::Box { size: Vec3::splat(0.3) }, rough, [x, -0.6, 2.4]);
         add(&mut scene, Shape::Disk { radius: 0.2 }, half, [x, 0.2, 1.0]);
     }
+    // Some of these are seen from behind.
+    for (x, material) in [(-1.2, Material::from(Matte::new(board))), (1.2, mirror_of(0.6))] {
+        let front = scene.add_material(Material { sides: Sides::Front, ..material });
+        add(&mut scene, Shape::Box { size: Vec3::splat(0.5) }, front, [x, 0.4, 0.4]);
+        add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.4) }, front, [x, -0.2, 2.2]);
+        add(&mut scene, Shape::Sphere { radius: 9.0 }, front, [x, 0.0, 0.0]);
+    }
+    let metal = Principled { metallic: 1.0, anisotropy: 0.8, ..Principled::default() };
+    let brushed = scene.add_material(metal);
+    add(&mut scene, sphere(), brushed, [0.2, -0.4, 2.1]);
+    add(&mut scene, Shape::Mesh(octahedron), brushed, [-1.5, 0.3, 1.6]);
     let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
     add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
     scene

@@ -13,6 +13,10 @@
 //! | everything else                              | matte of albedo `Kd` (0.8 where absent) |
 //! | besides, `map_Kd`                            | a picture by which `Kd` is multiplied; white where that is black |
 //! | besides, `Ke` not black                      | also gives that radiance, on its front |
+//! | besides, `map_Ke`                            | a picture by which `Ke` is multiplied; white where that is black or absent |
+//! | besides, `map_Pr`, `map_Pm`                  | pictures by which `Pr` and `Pm` are multiplied; 1 where those are absent or 0 |
+//! | besides, `map_d`                             | how much of the surface is there, times `d`, which then is none of glass |
+//! | besides, `norm`                              | a normal map |
 //!
 //! "Over" is a mix in which the gloss has the share of the brightest channel of
 //! its colour. Where `Kd` and the gloss would send back more than they get, both
@@ -24,7 +28,8 @@
 //! rough surface is √(2 / (Ns + 2)), and `roughness` the square root of that.
 //! `illum 4` alone is not believed where `Kd` is not dark, `d` is 1 and `Ni` is
 //! absent or up to 1: a widespread exporter writes so for every matte surface.
-//! Other textures are left out, with a note.
+//! Of the picture of a number red counts, and of `map_d` alpha where it is that of `map_Kd`. Other
+//! textures, heights of `bump` among them, are left out, with a note.
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995;
 //! `Pr`, `Pm` and so on: Exocortex, *Extending Wavefront MTL to Support PBR*.
@@ -41,10 +46,12 @@ use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
-    Principled, PrincipledTextures,
+    NormalMap, Opacity, OpacityMode, Principled, PrincipledTextures,
 };
 use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, TextureId};
-use rutilant::texture::{ColorInput, ImageTexture, UvMapping, Wrap};
+use rutilant::texture::{
+    Channel, ColorInput, Encoding, ImageTexture, ScalarInput, UvMapping, Wrap,
+};
 use rutilant_geom::Vec2;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::Path;
@@ -117,6 +124,11 @@ struct Written {
     pr: Option<f32>,
     pm: Option<f32>,
     map_kd: Option<TextureId>,
+    map_ke: Option<TextureId>,
+    map_pr: Option<TextureId>,
+    map_pm: Option<TextureId>,
+    map_d: Option<TextureId>,
+    norm: Option<TextureId>,
     ps: f32,
     pc: f32,
     pcr: f32,
@@ -245,7 +257,12 @@ impl<'a> Parser<'a> {
             // Ambient light is what a path tracer computes; sharpness is of reflection maps; the
             // others say how those above are, and `map_aat` how textures are smoothed.
             b"Ka" | b"sharpness" | b"map_aat" => {}
-            b"map_Kd" => material.map_kd = self.picture(at).or(material.map_kd),
+            b"map_Kd" => material.map_kd = self.picture(at, Encoding::Srgb).or(material.map_kd),
+            b"map_Ke" => material.map_ke = self.picture(at, Encoding::Srgb).or(material.map_ke),
+            b"map_Pr" => material.map_pr = self.picture(at, Encoding::Linear).or(material.map_pr),
+            b"map_Pm" => material.map_pm = self.picture(at, Encoding::Linear).or(material.map_pm),
+            b"map_d" => material.map_d = self.picture(at, Encoding::Linear).or(material.map_d),
+            b"norm" => material.norm = self.picture(at, Encoding::Linear).or(material.norm),
             _ if is_texture(keyword) => self.texture(keyword, at),
             _ => self.leave_out(keyword, at),
         }
@@ -291,7 +308,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Options and the name of a picture, as a texture; `None` without a name.
-    fn picture(&mut self, at: usize) -> Option<TextureId> {
+    fn picture(&mut self, at: usize, encoding: Encoding) -> Option<TextureId> {
         let (mapping, wrap) = self.options();
         let name = self.cursor.name();
         // Some exporters write the statement where there is no texture.
@@ -304,7 +321,8 @@ impl<'a> Parser<'a> {
         if known.is_none() {
             pictures.push(Picture { name, at: place(self.path, self.bytes, at) });
         }
-        let texture = ImageTexture { mapping, wrap: [wrap; 2], ..ImageTexture::new(bitmap) };
+        let wrap = [wrap; 2];
+        let texture = ImageTexture { mapping, wrap, encoding, ..ImageTexture::new(bitmap) };
         let known = textures.iter().position(|other| *other == texture);
         let id = TextureId(known.unwrap_or(textures.len()) as u32);
         if known.is_none() {
@@ -393,7 +411,7 @@ impl<'a> Parser<'a> {
         let dark_kd = written.kd.is_none_or(|kd| brightest(Rgb(kd)) <= DARK);
         let refracts = written.ni.is_some_and(|ni| ni > 1.0);
 
-        let clear = dissolve < 1.0
+        let clear = dissolve < 1.0 && written.map_d.is_none()
             || [6.0, 7.0, 9.0].contains(&illum)
             || (illum == 4.0 && (refracts || dark_kd));
         if illum == 4.0 && !clear {
@@ -424,9 +442,22 @@ impl<'a> Parser<'a> {
         } else {
             self.opaque(&written, dark_kd, &shown)
         };
-        let emission = written.ke.and_then(|ke| {
+        let ke = written.ke.filter(|ke| written.map_ke.is_none() || *ke != [0.0; 3]);
+        let ke = ke.or(written.map_ke.map(|_| [1.0; 3]));
+        let emission = ke.and_then(|ke| {
             let radiance = self.clamped("Ke", ke, 0.0, MOST_LIGHT, at, &shown);
-            (radiance != Rgb::BLACK).then(|| Emission::radiance(radiance))
+            let texture = written.map_ke;
+            let glow = || Emission { texture, ..Emission::radiance(radiance) };
+            (radiance != Rgb::BLACK).then(glow)
+        });
+        let normal_map = written.norm.map(|texture| NormalMap { texture, scale: 1.0 });
+        let opacity = written.map_d.map(|texture| {
+            let bitmap = |id: TextureId| self.library.textures[id.0 as usize].bitmap;
+            let in_color = written.map_kd.is_some_and(|color| bitmap(color) == bitmap(texture));
+            let channel = if in_color { Channel::Alpha } else { Channel::Red };
+            let factor = dissolve.clamp(0.0, 1.0);
+            let amount = ScalarInput { factor, texture: Some((texture, channel)) };
+            Opacity { amount, vertex_colors: false, mode: OpacityMode::Blend }
         });
         let materials = &mut self.library.materials;
         let (kind, parts) = match kind {
@@ -438,7 +469,8 @@ impl<'a> Parser<'a> {
                 (MaterialKind::Mix(mix), Some([below, gloss]))
             }
         };
-        materials.push(Material { emission, ..Material::new(kind).named(written.name) });
+        let material = Material::new(kind).named(written.name);
+        materials.push(Material { emission, opacity, normal_map, ..material });
         materials.extend(parts.into_iter().flatten().map(Material::new));
     }
 
@@ -456,11 +488,12 @@ impl<'a> Parser<'a> {
         let below = || MaterialKind::Matte(Matte::new(albedo));
 
         // The physically based additions say it in their own words.
-        if written.pr.is_some() || written.pm.is_some_and(|pm| pm != 0.0) || written.is_layered() {
-            let textures =
-                PrincipledTextures { base_color: written.map_kd, ..PrincipledTextures::default() };
+        let painted = written.map_pr.is_some() || written.map_pm.is_some();
+        let said = written.pr.is_some() || written.pm.is_some_and(|pm| pm != 0.0);
+        if said || painted || written.is_layered() {
             let base_color = albedo.factor;
-            let layers = Principled { base_color, textures, ..self.layers(written, shown) };
+            let mut layers = Principled { base_color, ..self.layers(written, shown) };
+            layers.textures.base_color = written.map_kd;
             return Surface::Plain(MaterialKind::Principled(Box::new(layers)));
         }
         let fresnel = |ni: f32| ((ni - 1.0) / (ni + 1.0)) * ((ni - 1.0) / (ni + 1.0));
@@ -488,9 +521,20 @@ impl<'a> Parser<'a> {
     fn layers(&mut self, written: &Written, shown: &str) -> Principled {
         let mut unit = |keyword, number| self.in_unit(keyword, number, written.at, shown);
         let coat = unit("Pc", written.pc);
+        // What a picture multiplies is not meant to be 0.
+        let painted = |number: Option<f32>, map: Option<TextureId>, usual| match map {
+            Some(_) => number.filter(|n| *n != 0.0).unwrap_or(1.0),
+            None => number.unwrap_or(usual),
+        };
+        let red = |map: Option<TextureId>| map.map(|id| (id, Channel::Red));
         Principled {
-            metallic: unit("Pm", written.pm.unwrap_or(0.0)),
-            roughness: unit("Pr", written.pr.unwrap_or(DEFAULT_ROUGHNESS)),
+            metallic: unit("Pm", painted(written.pm, written.map_pm, 0.0)),
+            roughness: unit("Pr", painted(written.pr, written.map_pr, DEFAULT_ROUGHNESS)),
+            textures: PrincipledTextures {
+                metallic: red(written.map_pm),
+                roughness: red(written.map_pr),
+                ..PrincipledTextures::default()
+            },
             ior: written.ni.filter(|ni| *ni > 1.0).map_or(DEFAULT_IOR, |ni| ni.min(LARGEST_IOR)),
             coat,
             coat_roughness: if coat > 0.0 { unit("Pcr", written.pcr) } else { 0.0 },

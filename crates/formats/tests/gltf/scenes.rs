@@ -5,7 +5,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
-    Absorption, Emission, EmittedLight, Material, MaterialKind, OpacityMode, Principled,
+    Absorption, Emission, EmittedLight, Material, MaterialKind, OpacityMode, Principled, Sides,
 };
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
@@ -84,15 +84,20 @@ fn materials_arrive() {
             "KHR_materials_ior": {"ior": 1.4},
             "KHR_materials_specular": {"specularFactor": 0.9, "specularTexture": {"index": first}},
             "KHR_materials_transmission": {"transmissionFactor": 0.4},
+            "KHR_materials_dispersion": {"dispersion": 0.3},
             "KHR_materials_volume": {
                 "thicknessFactor": 1.0, "attenuationDistance": 2.0,
                 "attenuationColor": [0.5, 0.25, 1.0],
             },
             "KHR_materials_clearcoat": {"clearcoatFactor": 0.6, "clearcoatRoughnessFactor": 0.1},
+            "KHR_materials_anisotropy": {
+                "anisotropyStrength": 0.5, "anisotropyRotation": 0.25,
+                "anisotropyTexture": {"index": second},
+            },
             "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3]},
             "KHR_materials_iridescence": {
                 "iridescenceFactor": 0.7, "iridescenceIor": 1.2,
-                "iridescenceThicknessMaximum": 500.0,
+                "iridescenceThicknessMinimum": 50.0, "iridescenceThicknessMaximum": 500.0,
             },
         },
     }]);
@@ -100,14 +105,15 @@ fn materials_arrive() {
     let scene = &loaded.scene;
     assert_eq!(scene.bitmaps.len(), 2);
     let material = &scene.materials[0];
-    assert_eq!(material.name, "all");
+    assert_eq!((&*material.name, material.sides), ("all", Sides::Both));
     let p = principled(material);
     assert_eq!((p.base_color, p.metallic, p.roughness), (Rgb::new(0.5, 0.6, 0.7), 0.25, 0.75));
     assert_eq!((p.ior, p.specular, p.transmission), (1.4, 0.9, 0.4));
-    assert!(!p.thin_walled);
+    assert!(!p.thin_walled && p.dispersion == 0.3 && p.iridescence_thickness_minimum_nm == 50.0);
     let color = Rgb::new(0.5, 0.25, 1.0);
     assert_eq!(p.absorption, Absorption::ColorAtDistance { color, distance: 2.0 });
     assert_eq!((p.coat, p.coat_roughness), (0.6, 0.1));
+    assert_eq!((p.anisotropy, p.anisotropy_rotation), (0.5, 0.25));
     assert_eq!(p.sheen_color, Rgb::new(0.1, 0.2, 0.3));
     assert_eq!((p.iridescence, p.iridescence_ior, p.iridescence_thickness_nm), (0.7, 1.2, 500.0));
     let shown = |id| texel(scene, id);
@@ -119,6 +125,8 @@ fn materials_arrive() {
     assert_eq!(of.roughness, Some((metallic, Channel::Green)));
     let (specular, channel) = of.specular.unwrap();
     assert_eq!((shown(specular), channel), ((one.clone(), Encoding::Linear), Channel::Alpha));
+    assert_eq!(of.anisotropy, Some((metallic, Channel::Blue)));
+    assert_eq!(of.anisotropy_direction, Some(metallic));
     let map = material.normal_map.unwrap();
     assert_eq!((shown(map.texture), map.scale), ((two, Encoding::Linear), 0.5));
     let opacity = material.opacity.unwrap();
@@ -160,7 +168,9 @@ fn plain_things_are_plain() {
     let unlit = &scene.materials[scene.objects[2].material.0 as usize];
     let light = EmittedLight::Radiance(Rgb::new(0.5, 0.25, 0.125));
     assert_eq!(unlit.kind, MaterialKind::Black);
-    assert_eq!(unlit.emission, Some(Emission { light, texture: None, two_sided: true }));
+    assert_eq!(unlit.emission, Some(Emission { light, texture: None, two_sided: false }));
+    // Both have only a front, unless they say otherwise.
+    assert!(scene.materials.iter().all(|m| m.sides == Sides::Front));
 }
 
 /// Lights and cameras stand where their nodes do; where there are none, a sky and an eye do.

@@ -509,6 +509,7 @@ fn principled_materials_mean_what_they_say() {
         specular: 0.15,
         specular_color: Rgb::grey(0.16),
         ior: 1.7,
+        dispersion: 0.0,
         transmission: 0.18,
         thin_walled: true,
         diffuse_transmission: 0.19,
@@ -519,11 +520,13 @@ fn principled_materials_mean_what_they_say() {
         coat_color: Rgb::grey(0.23),
         coat_roughness: 0.24,
         coat_ior: 1.25,
+        coat_normal_map: None,
         sheen_color: Rgb::grey(0.26),
         sheen_roughness: 0.27,
         iridescence: 0.28,
         iridescence_ior: 1.29,
         iridescence_thickness_nm: 300.0,
+        iridescence_thickness_minimum_nm: 200.0,
         textures: Default::default(),
     };
     let all = "base_color = [0.1, 0.2, 0.3]\nmetallic = 0.11\nroughness = 0.12\n\
@@ -533,9 +536,10 @@ fn principled_materials_mean_what_they_say() {
                diffuse_transmission_color = 0.2\nabsorption_color = 0.21\n\
                absorption_distance = 2\ncoat = 0.22\ncoat_color = 0.23\ncoat_roughness = 0.24\n\
                coat_ior = 1.25\nsheen_color = 0.26\nsheen_roughness = 0.27\niridescence = 0.28\n\
-               iridescence_ior = 1.29\niridescence_thickness_nm = 300";
+               iridescence_ior = 1.29\niridescence_thickness_nm = 300\niridescence_thickness_minimum_nm = 200";
     assert_eq!(material(all), expected);
     assert_eq!(material("transmission = 1\npriority = 3").priority, Some(3));
+    assert_eq!(material("transmission = 1\ndispersion = 0.5").dispersion, 0.5);
 
     // A lamp's strength is a factor.
     let lamp = read(

@@ -12,7 +12,7 @@ use rutilant::geom::Vec3;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Metal, Mirror, Mix, Principled, ThinDielectric,
+    MaterialKind, Matte, Metal, Mirror, Mix, Principled, Sides, ThinDielectric,
 };
 use rutilant::scene::MaterialId;
 use rutilant::settings::{Heuristic, IntegratorKind, SamplerKind};
@@ -159,6 +159,7 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
             sheen_color: rgb(random),
             iridescence: random.unit(),
             iridescence_thickness_nm: 900.0 * random.unit(),
+            iridescence_thickness_minimum_nm: 90.0 * random.unit(),
             ..Principled::default()
         })),
         _ => {
@@ -171,6 +172,7 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
                     distance: [1.0, 0.3][random.below(2)],
                 },
             };
+            glass.dispersion = [0.0, 0.36][random.below(2)];
             glass.fresnel = [Fresnel::Exact, Fresnel::Schlick][random.below(2)];
             MaterialKind::Dielectric(glass)
         }
@@ -258,6 +260,7 @@ fn edit(look: &mut Look, random: &mut Random, own: usize) {
             let plain = look.materials.iter().any(used);
             let parts: Vec<u32> = parts.iter().copied().filter(|p| *p as usize != i).collect();
             let material = &mut look.materials[i];
+            material.sides = [Sides::Both, Sides::Front][random.below(2)];
             material.kind = kind(random, plain, &parts);
             if matches!(&material.kind, MaterialKind::Dielectric(_)) {
                 material.emission = None;

@@ -28,7 +28,7 @@ use super::sheen::Sheen;
 use super::thin_film::ThinFilm;
 use crate::color::Spectrum;
 use crate::math::warp;
-use rutilant_geom::{Vec2, Vec3, real};
+use rutilant_geom::{Frame, Vec2, Vec3, real};
 use std::f32::consts::FRAC_1_PI;
 
 /// What a principled surface is at a point: plain numbers, which textures may drive. All but
@@ -72,6 +72,9 @@ pub struct PrincipledParameters {
     pub coat_roughness: f32,
     /// Index of refraction of the coat, at least 1.
     pub coat_ior: f32,
+    /// The coat's own unit normal in the shading frame, on the front. What it mirrors must stay
+    /// above the surface: see `SurfaceInteraction::bent`.
+    pub coat_normal: Vec3,
     /// What the fibres reflect; none if black.
     pub sheen_color: Spectrum,
     /// How much the fibres lean.
@@ -105,6 +108,7 @@ impl Default for PrincipledParameters {
             coat_color: Spectrum::WHITE,
             coat_roughness: 0.0,
             coat_ior: 1.5,
+            coat_normal: Vec3::Z,
             sheen_color: Spectrum::BLACK,
             sheen_roughness: 0.5,
             iridescence: 0.0,
@@ -204,6 +208,8 @@ struct View {
     left: f32,
     /// How often each way of scattering is drawn; all add up to 1.
     ways: Ways<f32>,
+    /// The frame of the coat, where that is one of its own.
+    coat: Option<Frame>,
 }
 
 /// The ways of scattering, and something about each.
@@ -213,6 +219,8 @@ struct Ways<T> {
     mirror: T,
     /// Straight through, or bent as by smooth glass.
     window: T,
+    /// Into the direction that a smooth coat with a normal of its own mirrors.
+    coat_mirror: T,
     coat: T,
     sheen: T,
     /// By one facet of metal, gloss or the clear border, to either side.
@@ -229,7 +237,11 @@ struct Ways<T> {
 
 impl Ways<f32> {
     fn sum(&self) -> f32 {
-        self.mirror + self.window + self.spread_sum()
+        self.deltas() + self.spread_sum()
+    }
+
+    fn deltas(&self) -> f32 {
+        self.mirror + self.window + self.coat_mirror
     }
 
     fn spread_sum(&self) -> f32 {
@@ -247,6 +259,7 @@ impl Ways<f32> {
         Self {
             mirror: self.mirror * by,
             window: self.window * by,
+            coat_mirror: self.coat_mirror * by,
             coat: self.coat * by,
             sheen: self.sheen * by,
             facet: self.facet * by,
@@ -264,6 +277,7 @@ impl Ways<f32> {
 enum Way {
     Mirror,
     Window,
+    CoatMirror,
     Coat,
     Sheen,
     Facet,
@@ -418,13 +432,12 @@ impl Principled {
 
     /// How often light is scattered into a single direction, seen from straight above.
     pub(super) fn delta_pmf(&self) -> f32 {
-        let ways = self.view(Vec3::Z).ways;
-        ways.mirror + ways.window
+        self.view(Vec3::Z, self.coat_frame(Vec3::Z)).ways.deltas()
     }
 
     /// About what part of white light is sent on.
     pub(super) fn albedo(&self) -> Spectrum {
-        let view = self.view(Vec3::Z);
+        let view = self.view(Vec3::Z, self.coat_frame(Vec3::Z));
         let matte = (self.matte.albedo() + self.matte_through) * (view.left * self.opaque);
         let Crossing { reflected, passed, .. } = self.crossing(1.0, true);
         let clear = (reflected + self.its.base_color * passed) * self.clear;
@@ -439,11 +452,12 @@ impl Principled {
     /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Without what goes into single directions.
     #[inline(never)]
     pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        let coat = self.coat_frame(wo);
         let (wo, wi) = (self.turned(wo, wo), self.turned(wi, wo));
         if wo.z == 0.0 || wi.z == 0.0 {
             return (Spectrum::BLACK, 0.0);
         }
-        self.seen(&self.view(wo), wo, wi)
+        self.seen(&self.view(wo, coat), wo, wi)
     }
 
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`
@@ -454,7 +468,7 @@ impl Principled {
         if local.z == 0.0 {
             return None;
         }
-        let view = self.view(local);
+        let view = self.view(local, self.coat_frame(wo));
         let sample = self.draw(&view, local, choice, u)?;
         Some(BsdfSample { wi: self.turned_back(sample.wi, wo), ..sample })
     }
@@ -467,9 +481,15 @@ impl Principled {
         let above = match way {
             Way::Mirror => return self.mirrored(view, wo),
             Way::Window => return self.passed(view, wo),
+            Way::CoatMirror => return self.mirrored_by_coat(view, wo),
             Way::Coat => {
+                let up = view.coat.map_or(up, |frame| frame.to_local(up));
                 let facet = self.coat?.rough?.ggx.sample_seen(up, u);
-                Some(2.0 * up.dot(facet) * facet - up).filter(|w| w.z > 0.0)
+                let mirrored = Some(2.0 * up.dot(facet) * facet - up).filter(|w| w.z > 0.0);
+                match &view.coat {
+                    None => mirrored,
+                    Some(frame) => mirrored.map(|w| frame.to_world(w)).filter(|w| w.z > 0.0),
+                }
             }
             Way::Sheen => Some(warp::uniform_hemisphere(u)),
             Way::Facet => {
@@ -527,12 +547,22 @@ impl Principled {
             value += self.crossing(o, view.outside).reflected * self.clear;
         }
         value *= view.tint * view.tint * view.below_coat;
-        if let Some(coat) = self.smooth_coat(view) {
+        if let (Some(coat), None) = (self.smooth_coat(view), &view.coat) {
             value += Spectrum::splat(coat.weight * coat.reflected(o) * view.below_sheen);
         }
         let pdf = view.ways.mirror;
         let wi = Vec3::new(-wo.x, -wo.y, wo.z);
         Some(BsdfSample { wi, weight: value / pdf, pdf, delta: true, eta: 1.0 })
+    }
+
+    /// The direction that a smooth coat with a normal of its own mirrors.
+    fn mirrored_by_coat(&self, view: &View, wo: Vec3) -> Option<BsdfSample> {
+        let (coat, normal) = (self.smooth_coat(view)?, view.coat?.z);
+        let value = coat.weight * coat.reflected(cos_of_coat(view.coat.as_ref(), wo));
+        let pdf = view.ways.coat_mirror;
+        let weight = Spectrum::splat(value * view.below_sheen) / pdf;
+        let wi = (2.0 * wo.dot(normal) * normal - wo).try_normalize()?;
+        (wi.z > 0.0).then_some(BsdfSample { wi, weight, pdf, delta: true, eta: 1.0 })
     }
 
     /// The way through a clear border that is smooth or thin.
@@ -606,28 +636,44 @@ impl Principled {
             }
         }
         let tint_in = match &self.coat {
-            Some(coat) if view.outside => coat.leg(i),
+            Some(coat) if view.outside => coat.leg(cos_of_coat(view.coat.as_ref(), wi)),
             _ => Spectrum::WHITE,
         };
         let mut value = base * view.tint * tint_in * view.below_coat;
 
         // Coat and sheen above it.
-        if let (Some(coat), true) = (&self.coat, ways.coat > 0.0)
-            && let (Some(rough), true) = (&coat.rough, length > 0.0)
-        {
-            let (length_o, length_i) =
-                (rough.ggx.squeezed_length(wo), rough.ggx.squeezed_length(wi));
-            let density = rough.ggx.density(facet) * 0.5;
-            let (reflected, _) = Fresnel::Exact.dielectric(cos, coat.ior);
-            let once = density * i / (o * length_i + i * length_o);
-            value += Spectrum::splat(coat.weight * reflected * once * view.below_sheen);
-            pdf += ways.coat * density / (o + length_o);
+        if ways.coat > 0.0 {
+            let (reflected, density) = self.by_coat(view, wo, wi);
+            value += Spectrum::splat(reflected);
+            pdf += density;
         }
         if let (Some(sheen), true) = (&self.sheen, ways.sheen > 0.0) {
             value += sheen.eval_cos(wo, wi);
             pdf += ways.sheen * warp::UNIFORM_HEMISPHERE_PDF;
         }
         (value, pdf)
+    }
+
+    /// What a facet of a rough coat sends from `wi` to `wo`, with the density of drawing it.
+    fn by_coat(&self, view: &View, wo: Vec3, wi: Vec3) -> (f32, f32) {
+        let (wo, wi) = match &view.coat {
+            None => (wo, wi),
+            Some(frame) => (frame.to_local(wo), frame.to_local(wi)),
+        };
+        let half = wo + wi;
+        let length = half.length();
+        let (Some(coat), true) = (&self.coat, length > 0.0 && wo.z * wi.z > 0.0) else {
+            return (0.0, 0.0);
+        };
+        let Some(rough) = &coat.rough else { return (0.0, 0.0) };
+        let (o, i) = (wo.z.abs(), wi.z.abs());
+        let facet = half * (half.z.signum() / length);
+        let (length_o, length_i) = (rough.ggx.squeezed_length(wo), rough.ggx.squeezed_length(wi));
+        let density = rough.ggx.density(facet) * 0.5;
+        let (reflected, _) = Fresnel::Exact.dielectric((0.5 * length).min(1.0), coat.ior);
+        let once = density * i / (o * length_i + i * length_o);
+        let value = coat.weight * reflected * once * view.below_sheen;
+        (value, view.ways.coat * density / (o + length_o))
     }
 
     /// The same through the surface.
@@ -701,8 +747,9 @@ impl Principled {
         (value * tint * view.below_coat, pdf)
     }
 
-    /// What `wo` decides, in the frame of the tangent.
-    fn view(&self, wo: Vec3) -> View {
+    /// What `wo` decides, in the frame of the tangent, where the frame of the coat is `coat`, if it
+    /// has one of its own.
+    fn view(&self, wo: Vec3, coat_frame: Option<Frame>) -> View {
         let o = wo.z.abs();
         let outside = wo.z > 0.0;
         // The layers are in front, and on both sides of what has no inside.
@@ -711,7 +758,10 @@ impl Principled {
             _ => 1.0,
         };
         let (coat, tint) = match &self.coat {
-            Some(coat) if outside => (coat.weight * coat.reflected(o), coat.leg(o)),
+            Some(coat) if outside => {
+                let cos = cos_of_coat(coat_frame.as_ref(), wo);
+                (coat.weight * coat.reflected(cos), coat.leg(cos))
+            }
             _ => (0.0, Spectrum::WHITE),
         };
         let below_coat = below_sheen * (1.0 - coat);
@@ -732,6 +782,9 @@ impl Principled {
         };
         match self.coat {
             Some(Coat { rough: Some(_), .. }) => ways.coat = below_sheen * coat,
+            Some(Coat { rough: None, .. }) if coat_frame.is_some() => {
+                ways.coat_mirror = below_sheen * coat;
+            }
             Some(Coat { rough: None, .. }) => ways.mirror += below_sheen * coat,
             None => {}
         }
@@ -762,12 +815,13 @@ impl Principled {
             let other = Vec3::new(0.0, 0.0, crossing.cos_outside);
             let sin = (1.0 - other.z * other.z).max(0.0).sqrt();
             let across = Vec2::new(wo.x, wo.y).normalize_or(Vec2::X) * sin;
-            let window = self.view(Vec3::new(across.x, across.y, other.z)).ways.window;
+            let other = Vec3::new(across.x, across.y, other.z);
+            let window = self.view(other, coat_frame).ways.window;
             let rest = ways.mirror + ways.spread_sum();
             let scale = if rest > 0.0 { (1.0 - window) / rest } else { 0.0 };
             ways = Ways { window, ..ways.scaled(scale) };
         }
-        View { outside, below_sheen, below_coat, tint, lost, left, ways }
+        View { outside, below_sheen, below_coat, tint, lost, left, ways, coat: coat_frame }
     }
 
     /// What metal reflects at a facet: Schlick's approximation, and grazing light whole.
@@ -947,6 +1001,17 @@ impl Principled {
         if self.clear > 0.0 { self.index_beyond(outside) } else { 1.0 }
     }
 
+    /// The frame of the coat, in that of the tangent, where it has a normal of its own; `wo` says from
+    /// where the surface is seen.
+    fn coat_frame(&self, wo: Vec3) -> Option<Frame> {
+        let normal = self.its.coat_normal;
+        if self.coat.is_none() || normal == Vec3::Z {
+            return None;
+        }
+        let normal = if wo.z < 0.0 { -normal } else { normal };
+        Some(Frame::around(self.turned(normal, wo)))
+    }
+
     fn smooth_coat(&self, view: &View) -> Option<&Coat> {
         self.coat.as_ref().filter(|c| c.rough.is_none() && view.outside)
     }
@@ -965,6 +1030,11 @@ impl Principled {
     }
 }
 
+/// The cosine under which the coat sees `w`, in its own frame if it has one.
+fn cos_of_coat(frame: Option<&Frame>, w: Vec3) -> f32 {
+    frame.map_or(w.z.abs(), |frame| frame.z.dot(w).abs().min(1.0))
+}
+
 /// How many angles are looked at where a film makes tables useless.
 const COSINES: u32 = 12;
 
@@ -979,6 +1049,7 @@ impl Ways<f32> {
         let all = [
             (Way::Mirror, self.mirror),
             (Way::Window, self.window),
+            (Way::CoatMirror, self.coat_mirror),
             (Way::Coat, self.coat),
             (Way::Sheen, self.sheen),
             (Way::Facet, self.facet),

@@ -15,7 +15,7 @@
 //! Source: Arvo, "Backward Ray Tracing", SIGGRAPH 1986 course notes; Veach 1997, sections 5.2,
 //! 5.3 and 10.2.
 
-use super::dimension::{Bounce, light_path};
+use super::dimension::{BAND, Bounce, light_path};
 use super::path::survival;
 use crate::camera::PreparedCamera;
 use crate::color::Spectrum;
@@ -63,9 +63,14 @@ struct LightPath<S> {
     left: Spectrum,
     /// Segments so far.
     depth: u32,
+    /// How often it went on behind surfaces that have only a front.
+    passes: u32,
     media: Media,
     sampler: S,
 }
+
+/// After so many surfaces that it passes a path is given up.
+const PASSES: u32 = 10_000;
 
 /// What would come to the camera if nothing were in its way.
 struct Arrival {
@@ -176,7 +181,7 @@ impl<'a> Caustics<'a> {
                     packet.set(lane, &paths[path].ray);
                 }
                 *rays += some.len() as u64;
-                packets.push(self.scene.closest_packet(&packet));
+                packets.push(self.scene.closest_packet_of_light(&packet));
             }
             let mut place = 0;
             alive.retain(|&path| {
@@ -222,6 +227,7 @@ impl<'a> Caustics<'a> {
             density: 0.0,
             left,
             depth: 0,
+            passes: 0,
             media,
             sampler,
         };
@@ -267,11 +273,15 @@ impl<'a> Caustics<'a> {
     ) -> bool {
         let at = self.scene.interaction(hit, path.ray.direction);
         let material = self.scene.material(&at);
-        let varied = self.scene.varied_at(hit, material);
+        let varied = self.scene.varied_at(hit, &at, material);
         let material = varied.as_ref().unwrap_or(material);
         let (wo, from_front) = (at.wo_local(), at.wo_local().z > 0.0);
+        if material.one_sided && at.normal.dot(at.wo) < 0.0 {
+            // The camera would see its front.
+            return false;
+        }
         path.depth += 1;
-        if path.depth == 1 {
+        if path.depth == 1 && !material.one_sided {
             path.density =
                 self.density(path.emitter, path.from.as_ref(), path.ray.direction, hit.position);
             // One that could not have been chosen.
@@ -285,10 +295,25 @@ impl<'a> Caustics<'a> {
         }
         path.left *= transmittance(path.media.absorption, hit.t);
 
+        // Of colours that are bent differently here only one goes on.
+        let mut room = None;
+        let u = || path.sampler.d1(BAND);
+        let media = &mut path.media;
+        let (worth, material) = self.scene.in_one_band(material, media, u, &mut room);
+        path.left *= worth;
+
         // What was thrown here may be seen by the camera.
         let thrown = path.depth > 1 && path.depth < self.max_depth;
         if thrown && at.is_flat() && !material.bsdf.is_delta() {
             arrivals.extend(self.arrival(path, &at, hit, material, shown));
+        }
+
+        // The camera passes what it sees from behind, and so does this path, without a segment.
+        if material.one_sided {
+            path.depth -= 1;
+            path.passes += 1;
+            path.ray = Ray::new(at.surface_origin(true), path.ray.direction);
+            return path.passes < PASSES;
         }
 
         // On in a single direction, or not at all.

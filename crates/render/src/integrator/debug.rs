@@ -28,8 +28,9 @@ impl Integrator for Albedo {
     fn radiance<S: Sampler>(&self, scene: &Prepared, ray: Ray, _: &S, rays: &mut u64) -> Spectrum {
         *rays += 1;
         scene.closest(&ray).map_or(Spectrum::BLACK, |hit| {
-            let material = scene.material(&scene.interaction(&hit, ray.direction));
-            scene.varied_at(&hit, material).as_ref().unwrap_or(material).bsdf.albedo()
+            let at = scene.interaction(&hit, ray.direction);
+            let material = scene.material(&at);
+            scene.varied_at(&hit, &at, material).as_ref().unwrap_or(material).bsdf.albedo()
         })
     }
 }

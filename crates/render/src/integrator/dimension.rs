@@ -10,6 +10,10 @@ pub(crate) const FILM: u32 = 0;
 /// Where on the lens.
 pub(crate) const LENS: u32 = 1;
 
+/// Which band of the spectrum is left, where one has to be chosen; as far from all other decisions as
+/// those of light paths are.
+pub(crate) const BAND: u32 = u32::MAX - 7;
+
 /// The decisions at the start of a light path, and where it comes to the camera. They are the last
 /// there are: no path from the camera is long enough to come to them.
 pub(crate) mod light_path {

@@ -4,7 +4,7 @@
 //! samples alone on rough surfaces, scattered rays alone on mirrors and glass and for light that
 //! no sample can find.
 
-use super::dimension::Bounce;
+use super::dimension::{BAND, Bounce};
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
 use crate::color::Spectrum;
@@ -36,10 +36,16 @@ impl Integrator for Direct {
         let Some(met) = way.met else {
             return radiance + emitted(SeenEmission::of_sky(scene, &ray)) * way.through;
         };
-        let (at, bsdf) = (&met.at, &met.material.bsdf);
+        let at = &met.at;
         let wo = at.wo_local();
         let bounce = Bounce::at(1);
         radiance += emitted(SeenEmission::of_surface(scene, at)) * way.through;
+
+        // Of colours that are bent differently here only one goes on.
+        let mut room = None;
+        let u = || sampler.d1(BAND);
+        let (worth, material) = scene.in_one_band(met.material, &mut media, u, &mut room);
+        let (bsdf, left) = (&material.bsdf, way.through * worth);
 
         // Rough lobes: one light, anywhere on it, and for clear surfaces on either side.
         let translucent = bsdf.is_translucent();
@@ -57,7 +63,7 @@ impl Integrator for Direct {
             if !scene.occluded(&light.shadow_ray(origin)) {
                 let sides = [media.absorption, met.absorption_beyond(&media)];
                 let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
-                let through = way.through * transmittance(sides[usize::from(beyond)], distance);
+                let through = left * transmittance(sides[usize::from(beyond)], distance);
                 let scattered = bsdf.eval_cos(wo, wi) * (1.0 / (pmf * light.pdf));
                 radiance += scattered * light.radiance * through;
             }
@@ -71,8 +77,7 @@ impl Integrator for Direct {
                 met.cross(&mut media);
             }
             let mut ray = at.scattered_ray(bsdf, &sample, crossed);
-            let (from, direction, weight) =
-                (ray.origin, ray.direction, way.through * sample.weight);
+            let (from, direction, weight) = (ray.origin, ray.direction, left * sample.weight);
             let unsampled = |seen: Option<SeenEmission>, beyond_passed: bool| {
                 emitted(seen.filter(|seen| {
                     sample.delta

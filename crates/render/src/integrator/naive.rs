@@ -4,7 +4,7 @@
 //! chance. It is written apart from [`Path`](super::Path) on purpose: the two must agree.
 //! Lights without a surface are never found.
 
-use super::dimension::Bounce;
+use super::dimension::{BAND, Bounce};
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
 use crate::color::Spectrum;
@@ -52,14 +52,18 @@ impl Integrator for Naive {
                 radiance += throughput * emission.radiance;
             }
 
+            let mut room = None;
+            let u = || sampler.d1(BAND);
+            let (worth, material) = scene.in_one_band(met.material, &mut media, u, &mut room);
+            throughput *= worth;
             let (wo, bounce) = (met.at.wo_local(), Bounce::at(depth));
-            let Some(sample) = bounce.scatter(&met.material.bsdf, wo, sampler) else { break };
+            let Some(sample) = bounce.scatter(&material.bsdf, wo, sampler) else { break };
             throughput *= sample.weight;
             let crossed = sample.is_transmission(wo);
             if crossed {
                 met.cross(&mut media);
             }
-            ray = met.at.scattered_ray(&met.material.bsdf, &sample, crossed);
+            ray = met.at.scattered_ray(&material.bsdf, &sample, crossed);
 
             let (from, survival) = SURVIVAL;
             if depth >= from {

@@ -12,7 +12,7 @@
 
 use super::caustics::Caustics;
 use super::control::Control;
-use super::dimension::Bounce;
+use super::dimension::{BAND, Bounce};
 use super::emission::SeenEmission;
 use super::estimate::Integrator;
 use super::packet::Starts;
@@ -66,6 +66,7 @@ impl Integrator for Path<'_> {
         rays: &mut u64,
     ) -> bool {
         scene.is_plain()
+            && !scene.disperses()
             && with_vectors!(scene.surfaces().level(), simd => {
                 self.trace_all(simd, scene, starts, radiance, rays);
                 true
@@ -137,6 +138,13 @@ impl Path<'_> {
                 break;
             }
 
+            // Of colours that are bent differently here only one goes on.
+            let mut room = None;
+            let u = || sampler.d1(BAND);
+            let (worth, material) = scene.in_one_band(material, &mut media, u, &mut room);
+            throughput *= worth;
+            control.carries(throughput);
+
             // Light that arrives here directly from one light.
             let bounce = Bounce::at(depth);
             let point = at.shading_point(&material.bsdf);
@@ -163,7 +171,9 @@ impl Path<'_> {
                 Some(caustics) if depth == 1 && !sample.delta => {
                     caustics.lead(at, met.hit.t, ray.direction, sample.pdf)
                 }
-                Some(_) if sample.delta => lead * at.squeeze(ray.direction).unwrap_or(0.0),
+                Some(_) if sample.delta && !material.one_sided => {
+                    lead * at.squeeze(ray.direction).unwrap_or(0.0)
+                }
                 _ => 0.0,
             };
             if crossed {

@@ -11,11 +11,12 @@ mod mix;
 mod normal_map;
 mod opacity;
 mod principled;
+mod sides;
 mod thin_dielectric;
 
 pub use conductor::Conductor;
 pub use custom::{CustomMaterial, SurfacePoint};
-pub use dielectric::{Absorption, Dielectric, Medium};
+pub use dielectric::{Absorption, Dielectric, Medium, most_rough_dispersion};
 pub use emission::{Emission, EmittedLight};
 pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;
@@ -24,6 +25,7 @@ pub use mix::Mix;
 pub use normal_map::NormalMap;
 pub use opacity::{Opacity, OpacityMode};
 pub use principled::{Principled, PrincipledTextures};
+pub use sides::Sides;
 pub use thin_dielectric::ThinDielectric;
 
 use crate::color::Rgb;
@@ -48,6 +50,8 @@ pub struct Material {
     pub opacity: Option<Opacity>,
     /// Turns the normal that it is shaded by.
     pub normal_map: Option<NormalMap>,
+    /// From where it is there.
+    pub sides: Sides,
 }
 
 /// How a surface scatters light.
@@ -78,7 +82,8 @@ pub enum MaterialKind {
 impl Material {
     /// A material without a name that gives no light.
     pub fn new(kind: MaterialKind) -> Self {
-        Self { name: String::new(), kind, emission: None, opacity: None, normal_map: None }
+        let (emission, opacity, normal_map) = (None, None, None);
+        Self { name: String::new(), kind, emission, opacity, normal_map, sides: Sides::Both }
     }
 
     /// The same material under a name.
@@ -104,7 +109,7 @@ impl Material {
         self.normal_map.iter_mut().for_each(|map| tell(&mut map.texture));
         self.emission.iter_mut().filter_map(|e| e.texture.as_mut()).for_each(&mut tell);
         match &mut self.kind {
-            MaterialKind::Principled(m) => m.textures.each_mut(tell),
+            MaterialKind::Principled(m) => m.each_texture_mut(tell),
             MaterialKind::Matte(m) => m.albedo.texture.iter_mut().for_each(&mut tell),
             MaterialKind::Black
             | MaterialKind::Null
@@ -114,6 +119,34 @@ impl Material {
             | MaterialKind::ThinDielectric(_)
             | MaterialKind::Mix(_)
             | MaterialKind::Custom(_) => {}
+        }
+    }
+
+    /// True where rays meet its front alone. `all` are the materials of its scene.
+    pub(crate) fn is_one_sided(&self, all: &[Self]) -> bool {
+        match self.sides {
+            Sides::Both => false,
+            Sides::Front => !self.lets_light_through(all),
+        }
+    }
+
+    /// True where light that falls on one side may leave on the other. Custom materials are taken
+    /// to know what they say.
+    fn lets_light_through(&self, all: &[Self]) -> bool {
+        match &self.kind {
+            MaterialKind::Black
+            | MaterialKind::Matte(_)
+            | MaterialKind::Mirror(_)
+            | MaterialKind::Conductor(_)
+            | MaterialKind::Custom(_) => false,
+            MaterialKind::Null | MaterialKind::Dielectric(_) | MaterialKind::ThinDielectric(_) => {
+                true
+            }
+            MaterialKind::Principled(p) => p.transmission > 0.0 || p.diffuse_transmission > 0.0,
+            MaterialKind::Mix(mix) => [mix.first, mix.second]
+                .into_iter()
+                .filter_map(|id| all.get(id.0 as usize))
+                .any(|part| part.lets_light_through(&[])),
         }
     }
 
@@ -155,7 +188,7 @@ impl Material {
             opacity.validate(place, textures)?;
         }
         if let Some(map) = &self.normal_map {
-            map.validate(place, textures)?;
+            map.validate(place, ["normal_map", "normal_scale"], textures)?;
         }
         self.emission.as_ref().map_or(Ok(()), |e| e.validate(place, textures))
     }

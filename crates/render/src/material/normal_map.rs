@@ -17,11 +17,17 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    pub(super) fn validate(&self, place: Place, textures: usize) -> Result<(), SceneProblem> {
-        place.check("normal_scale", [self.scale], FINITE)?;
+    /// Problems are told at the keys of the map and of its scale.
+    pub(super) fn validate(
+        &self,
+        place: Place,
+        [map, scale]: [&'static str; 2],
+        textures: usize,
+    ) -> Result<(), SceneProblem> {
+        place.check(scale, [self.scale], FINITE)?;
         if self.texture.0 as usize >= textures {
             let what = format!("there is no texture number {}", self.texture.0);
-            return Err(place.problem("normal_map", what));
+            return Err(place.problem(map, what));
         }
         Ok(())
     }

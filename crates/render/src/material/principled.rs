@@ -1,11 +1,16 @@
 //! Layers over a base: plastic, painted and brushed metal, varnished wood, cloth, coloured glass.
 
-use super::dielectric::{Absorption, MAX_IOR, MOST_ROUGH_RATIO};
+use super::dielectric::{
+    Absorption, DISPERSION, MAX_IOR, MOST_ROUGH_RATIO, check_rough_dispersion,
+};
+use super::normal_map::NormalMap;
 use crate::bsdf::PrincipledParameters;
 use crate::color::{Rgb, Spectrum};
+use crate::dispersion::largest_index;
 use crate::id::TextureId;
 use crate::problem::{FINITE, Place, SceneProblem, UNIT};
 use crate::texture::Channel;
+use rutilant_geom::Vec3;
 
 /// A surface of layers, told by plain numbers: see [`bsdf::Principled`](crate::bsdf::Principled).
 /// Everything but indices, angles and thicknesses lies between 0 and 1.
@@ -22,8 +27,9 @@ pub struct Principled {
     pub diffuse_roughness: f32,
     /// How much rougher it is along the tangent than across.
     pub anisotropy: f32,
-    /// Where the tangent lies, in radians counter-clockwise from the u direction of the surface:
-    /// for now, from the x axis of the shading frame, which must follow it.
+    /// Where the tangent lies, in radians from the direction in which u grows towards that in which
+    /// v does. Both are those of the mesh's tangents where it has some, else of its first set of
+    /// texture coordinates; on a sphere east and north. Without any the tangent lies somewhere.
     pub anisotropy_rotation: f32,
     /// How much of the dielectric's reflection there is.
     pub specular: f32,
@@ -31,6 +37,9 @@ pub struct Principled {
     pub specular_color: Rgb,
     /// Index of refraction of the dielectric, 1 to 10.
     pub ior: f32,
+    /// How much a body's index changes with the colour of light that goes into it: as for
+    /// [`Dielectric`](super::Dielectric).
+    pub dispersion: f32,
     /// The part of what enters the dielectric that goes through instead of into a matte body.
     pub transmission: f32,
     /// Whether there is nothing behind the surface. If there is, it is a closed body, and its
@@ -52,6 +61,8 @@ pub struct Principled {
     pub coat_roughness: f32,
     /// Index of refraction of the coat, 1 to 10.
     pub coat_ior: f32,
+    /// Turns the normal of the coat. The material's own normal map does not: bumps are under the coat.
+    pub coat_normal_map: Option<NormalMap>,
     /// What fibres on the surface reflect; none if black.
     pub sheen_color: Rgb,
     /// How much the fibres lean; less than 0.3 is taken as that.
@@ -60,8 +71,10 @@ pub struct Principled {
     pub iridescence: f32,
     /// Index of refraction of the film, 1 to 10.
     pub iridescence_ior: f32,
-    /// How thick the film is, in nanometres, 0 to 100000.
+    /// How thick the film is, in nanometres, 0 to 100000; where a texture is 1, if it has one.
     pub iridescence_thickness_nm: f32,
+    /// How thick it is where its texture is 0.
+    pub iridescence_thickness_minimum_nm: f32,
     /// What varies over the surface: factors on the numbers.
     pub textures: PrincipledTextures,
 }
@@ -75,6 +88,9 @@ pub struct PrincipledTextures {
     pub vertex_colors: bool,
     pub metallic: Option<(TextureId, Channel)>,
     pub roughness: Option<(TextureId, Channel)>,
+    pub anisotropy: Option<(TextureId, Channel)>,
+    /// Red and green, from 0..1 to −1..1, are a direction along u and v, which the rotation turns.
+    pub anisotropy_direction: Option<TextureId>,
     pub specular: Option<(TextureId, Channel)>,
     pub specular_color: Option<TextureId>,
     pub transmission: Option<(TextureId, Channel)>,
@@ -101,6 +117,7 @@ impl PrincipledTextures {
     pub(super) fn each_mut(&mut self, tell: impl FnMut(&mut TextureId)) {
         let colors = [
             &mut self.base_color,
+            &mut self.anisotropy_direction,
             &mut self.specular_color,
             &mut self.diffuse_transmission_color,
             &mut self.sheen_color,
@@ -108,6 +125,7 @@ impl PrincipledTextures {
         let scalars = [
             &mut self.metallic,
             &mut self.roughness,
+            &mut self.anisotropy,
             &mut self.specular,
             &mut self.transmission,
             &mut self.diffuse_transmission,
@@ -139,6 +157,7 @@ impl Default for Principled {
             specular: 1.0,
             specular_color: Rgb::WHITE,
             ior: 1.5,
+            dispersion: 0.0,
             transmission: 0.0,
             thin_walled: false,
             diffuse_transmission: 0.0,
@@ -149,11 +168,13 @@ impl Default for Principled {
             coat_color: Rgb::WHITE,
             coat_roughness: 0.0,
             coat_ior: 1.5,
+            coat_normal_map: None,
             sheen_color: Rgb::BLACK,
             sheen_roughness: 0.5,
             iridescence: 0.0,
             iridescence_ior: 1.3,
             iridescence_thickness_nm: 400.0,
+            iridescence_thickness_minimum_nm: 0.0,
             textures: PrincipledTextures::default(),
         }
     }
@@ -180,6 +201,7 @@ impl Principled {
             coat_color: self.coat_color.into(),
             coat_roughness: self.coat_roughness,
             coat_ior: self.coat_ior,
+            coat_normal: Vec3::Z,
             sheen_color: self.sheen_color.into(),
             sheen_roughness: self.sheen_roughness,
             iridescence: self.iridescence,
@@ -194,6 +216,22 @@ impl Principled {
         !self.thin_walled && self.metallic < 1.0 && (self.transmission > 0.0 || matte)
     }
 
+    /// True where the normal of the coat is not that of what is below it, which is `bumpy` or not.
+    pub(crate) fn has_own_coat_normal(&self, bumpy: bool) -> bool {
+        self.coat > 0.0 && (bumpy || self.coat_normal_map.is_some())
+    }
+
+    /// Tells the texture of each input that has one, to be changed.
+    pub(super) fn each_texture_mut(&mut self, mut tell: impl FnMut(&mut TextureId)) {
+        self.coat_normal_map.iter_mut().for_each(|map| tell(&mut map.texture));
+        self.textures.each_mut(tell);
+    }
+
+    /// True where facets are steeper one way than the other, which the surface's directions decide.
+    pub(crate) fn is_anisotropic(&self) -> bool {
+        self.anisotropy > 0.0
+    }
+
     /// The same where textures have these values.
     pub(crate) fn varied(
         &self,
@@ -204,10 +242,16 @@ impl Principled {
         // Whatever pictures hold, a part is a part.
         let part = |factor, texture| scalar(factor, texture).clamp(0.0, 1.0);
         let tint = |factor, texture| color(factor, texture, false);
+        let [least, most] = [self.iridescence_thickness_minimum_nm, self.iridescence_thickness_nm];
+        let thickness = match of.iridescence_thickness_nm {
+            None => most,
+            Some(texture) => least + (most - least) * scalar(1.0, Some(texture)),
+        };
         PrincipledParameters {
             base_color: color(self.base_color, of.base_color, of.vertex_colors),
             metallic: part(self.metallic, of.metallic),
             roughness: part(self.roughness, of.roughness),
+            anisotropy: part(self.anisotropy, of.anisotropy),
             specular: part(self.specular, of.specular),
             specular_color: tint(self.specular_color, of.specular_color),
             transmission: part(self.transmission, of.transmission),
@@ -221,11 +265,7 @@ impl Principled {
             sheen_color: tint(self.sheen_color, of.sheen_color),
             sheen_roughness: part(self.sheen_roughness, of.sheen_roughness),
             iridescence: part(self.iridescence, of.iridescence),
-            iridescence_thickness_nm: scalar(
-                self.iridescence_thickness_nm,
-                of.iridescence_thickness_nm,
-            )
-            .clamp(0.0, THICKEST_FILM),
+            iridescence_thickness_nm: thickness.clamp(0.0, THICKEST_FILM),
             ..self.parameters()
         }
     }
@@ -269,8 +309,16 @@ impl Principled {
             place.check(key, [ior], 1.0..=MAX_IOR)?;
         }
         place.check("anisotropy_rotation_degrees", [self.anisotropy_rotation], FINITE)?;
-        let thickness = self.iridescence_thickness_nm;
-        place.check("iridescence_thickness_nm", [thickness], 0.0..=THICKEST_FILM)?;
+        for (key, thickness) in [
+            ("iridescence_thickness_nm", self.iridescence_thickness_nm),
+            ("iridescence_thickness_minimum_nm", self.iridescence_thickness_minimum_nm),
+        ] {
+            place.check(key, [thickness], 0.0..=THICKEST_FILM)?;
+        }
+        place.check("dispersion", [self.dispersion], DISPERSION)?;
+        if let Some(map) = &self.coat_normal_map {
+            map.validate(place, ["coat_normal_map", "coat_normal_scale"], textures)?;
+        }
         self.absorption.validate(place, |name| name)?;
         self.validate_inside(place)
     }
@@ -285,6 +333,9 @@ impl Principled {
                 self.roughness, self.ior
             );
             return Err(place.problem("roughness", what));
+        }
+        if self.has_inside() && is_rough {
+            check_rough_dispersion(place, largest_index(self.ior, self.dispersion))?;
         }
         if self.priority.is_some() && !self.has_inside() {
             let what = "a priority is for bodies that light goes through: transmission must be \

@@ -1,6 +1,6 @@
 //! A scene is put together: shapes become surfaces in the world, and what shines emitters.
 
-use super::material::{passes, prepare_materials};
+use super::material::{disperse, passes, prepare_materials};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
@@ -51,6 +51,8 @@ pub(super) struct Assembly {
     tangents: Vec<[f32; 4]>,
     emitters: Vec<Emitter>,
     some_pass: bool,
+    /// Whether the object that is being added is there from its front alone.
+    one_sided: bool,
     /// What each object encloses.
     enclosures: Vec<Enclosure>,
     notes: Vec<Note>,
@@ -157,8 +159,9 @@ impl Assembly {
         }
         let known = before.map(|before| &*before.textures);
         let textures = PreparedTextures::new(scene, known, &mut self.notes);
-        let (materials, varying, opacities) = prepare_materials(&scene.materials, &textures);
-        let some_open = !opacities.is_empty();
+        let (mut materials, varying, opacities) = prepare_materials(&scene.materials, &textures);
+        let (bands, dispersed) = disperse(&mut materials).unzip();
+        let some_open = !opacities.is_empty() || materials.iter().any(|m| m.one_sided);
         let mut ranked: Vec<Border> = materials.iter().filter_map(|m| m.border).collect();
         ranked.retain(|b| b.rank.is_some());
         ranked.sort_unstable_by_key(|b| b.rank);
@@ -203,6 +206,8 @@ impl Assembly {
             materials: materials.into(),
             opacities: opacities.into(),
             varying: varying.into(),
+            bands: bands.map(Arc::new),
+            dispersed: dispersed.unwrap_or_default().into(),
             light_beyond_sampling: !ranked_media.is_empty()
                 || self.emitters.iter().any(Emitter::is_custom),
             ranked_media: ranked_media.into(),
@@ -246,6 +251,7 @@ impl Assembly {
             return;
         }
         self.some_pass |= passes(material);
+        self.one_sided = material.is_one_sided(&scene.materials);
         match &object.shape {
             Shape::Mesh(id) => {
                 let mesh = &scene.meshes[id.0 as usize];
@@ -501,6 +507,8 @@ impl Assembly {
     /// The light of object `number`, of `area` m², with this material.
     fn glow(&mut self, number: usize, material: &Material, area: f64) -> Option<Glow> {
         let Emission { light, two_sided, .. } = material.emission?;
+        // Rays never meet the back of what has only a front.
+        let two_sided = two_sided && !self.one_sided;
         let sides = if two_sided { 2.0 } else { 1.0 };
         let (light_rgb, radiance) = match light {
             EmittedLight::Radiance(rgb) => (rgb, Spectrum::from(rgb)),

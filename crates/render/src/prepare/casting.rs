@@ -1,7 +1,9 @@
 //! What caustics come from is looked for in a scene: lights, and what throws their light.
 
 use super::casters::{Caster, Casters};
+use super::material::PreparedMaterial;
 use super::prepared::{ObjectEmitters, Prepared, PreparedObject};
+use crate::dispersion::Bands;
 use crate::light::{Emitter, EmitterSelection, LampPoint};
 use crate::medium::{Border, Media};
 use rayon::prelude::*;
@@ -61,7 +63,7 @@ impl Prepared {
     pub(super) fn find_casting(&self) -> Option<Casting> {
         /// A point of a lamp.
         const SOMEWHERE: Vec2 = Vec2::new(0.37, 0.61);
-        if !self.is_plain || !self.materials.iter().any(|m| m.bsdf.has_delta()) {
+        if !self.is_plain || !self.materials.iter().any(PreparedMaterial::casts) {
             return None;
         }
         let extents = self.extents.get_or_init(|| self.find_extents());
@@ -108,6 +110,7 @@ impl Prepared {
         let radiances =
             self.emitters.iter().zip(shines).filter(|(_, s)| *s).map(|(e, _)| radiance(e));
         let brightest = radiances.chain(sky.map(|(_, sky)| sky.brightest())).fold(0.0, f32::max);
+        let brightest = if self.disperses() { brightest * Bands::MOST_WORTH } else { brightest };
         let sky = sky.map(|(i, _)| i as u32);
         let none = matches!(lamps, EmitterSelection::None) && sky.is_none();
         (!none).then_some(Casting { casters, lamps, sky, media, brightest })
@@ -115,8 +118,10 @@ impl Prepared {
 
     /// Balls around everything that sends light on in single directions.
     fn casters(&self, extents: &[Extent]) -> Casters {
-        let casts =
-            |object: &PreparedObject| self.materials[object.material as usize].bsdf.delta_pmf();
+        let casts = |object: &PreparedObject| {
+            let material = &self.materials[object.material as usize];
+            if material.casts() { material.bsdf.delta_pmf() } else { 0.0 }
+        };
         let mut reaches: Vec<f32> = extents.iter().map(|extent| extent.reach).collect();
         let reach = |(i, object): (usize, &u32)| {
             let center = extents[*object as usize].bounds.center();

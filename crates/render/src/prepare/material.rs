@@ -7,6 +7,7 @@ use crate::bsdf::{
     SmoothDielectric, ThinDielectric,
 };
 use crate::color::Spectrum;
+use crate::dispersion::{BANDS, Bands};
 use crate::material::{Dielectric, Material, MaterialKind, NormalMap, Opacity};
 use crate::medium::{Border, PreparedMedium};
 use crate::scene::{MaterialId, TextureId};
@@ -20,6 +21,9 @@ pub(crate) struct PreparedMaterial {
     pub(crate) bsdf: Bsdf,
     /// Set where light can cross the surface.
     pub(crate) border: Option<Border>,
+    /// The number of its BSDFs for each band of the spectrum, where it bends them differently, and
+    /// they are known beforehand.
+    pub(super) dispersed: Option<u32>,
     /// The number of what tells the BSDF of each place, where that is not the same everywhere.
     pub(super) varying: Option<u32>,
     /// The number of what tells how much of it is there, where that is not all.
@@ -28,8 +32,12 @@ pub(crate) struct PreparedMaterial {
     pub(super) normal_map: Option<NormalMap>,
     /// What its light varies by.
     pub(super) glow: Option<TextureId>,
+    /// True where a coat has another normal than what is below it.
+    pub(super) own_coat: bool,
     /// True where rays go on as if there were nothing.
     pub(crate) passes: bool,
+    /// True where rays that come from behind do so.
+    pub(crate) one_sided: bool,
 }
 
 impl From<Bsdf> for PreparedMaterial {
@@ -38,11 +46,14 @@ impl From<Bsdf> for PreparedMaterial {
         Self {
             bsdf,
             border: None,
+            dispersed: None,
             varying: None,
             opacity: None,
             normal_map: None,
             glow: None,
+            own_coat: false,
             passes: false,
+            one_sided: false,
         }
     }
 }
@@ -53,9 +64,15 @@ impl PreparedMaterial {
         self.border.and_then(|b| b.rank)
     }
 
-    /// True where a picture tells its normals or its light.
+    /// True where a picture tells its normals or its light, or a coat has normals of its own.
     pub(super) fn is_painted(&self) -> bool {
-        self.normal_map.is_some() || self.glow.is_some()
+        self.normal_map.is_some() || self.glow.is_some() || self.own_coat
+    }
+
+    /// True where light paths go on in single directions. What has only a front they pass, and a coat
+    /// with normals of its own would send them elsewhere than paths from the camera.
+    pub(super) fn casts(&self) -> bool {
+        self.bsdf.has_delta() && !self.one_sided && !self.own_coat
     }
 
     /// True where it scatters otherwise in different places.
@@ -76,7 +93,7 @@ impl PreparedMaterial {
     /// The same as a border between the media that it lies between at some place.
     pub(crate) fn between(&self, here: Border) -> Self {
         let eta = here.interior.ior / here.exterior.ior;
-        Self { bsdf: self.bsdf.with_eta(eta), border: Some(here), ..*self }
+        Self { bsdf: self.bsdf.with_eta(eta), border: Some(here), dispersed: None, ..*self }
     }
 }
 
@@ -147,6 +164,7 @@ pub(super) fn prepare_materials(
             normal_map: material.normal_map,
             glow: material.emission.and_then(|emission| emission.texture),
             opacity: material.opacity.map(|opacity| push(&mut opacities, opacity)),
+            one_sided: material.is_one_sided(all),
             ..PreparedMaterial::from(Bsdf::sum(mean))
         };
         let mut vary = |what| Some(push(&mut varying, what));
@@ -163,27 +181,35 @@ pub(super) fn prepare_materials(
             MaterialKind::Null => prepared.passes = true,
             MaterialKind::Principled(p) => {
                 prepared.bsdf = textures.mean_principled(p).into();
-                if p.textures.vary() {
+                prepared.own_coat = p.has_own_coat_normal(material.normal_map.is_some());
+                if p.textures.vary() || p.is_anisotropic() || prepared.own_coat {
                     prepared.varying = vary(Varying::Principled(p.clone()));
                 }
                 if p.has_inside() {
                     let absorption = p.absorption.coefficient();
                     // What only a matte body sends on is not bent.
-                    let ior = if p.transmission > 0.0 { p.ior } else { 1.0 };
+                    let bent = p.transmission > 0.0;
+                    let (ior, dispersion) = if bent { (p.ior, p.dispersion) } else { (1.0, 0.0) };
                     prepared.border = Some(Border {
-                        interior: PreparedMedium { ior, absorption },
-                        exterior: PreparedMedium { ior: 1.0, absorption: Spectrum::BLACK },
+                        interior: PreparedMedium { ior, dispersion, absorption },
+                        exterior: PreparedMedium {
+                            ior: 1.0,
+                            dispersion: 0.0,
+                            absorption: Spectrum::BLACK,
+                        },
                         material: i as u32,
                         rank: ranks.get(&i).copied(),
                     });
                 }
             }
             MaterialKind::Dielectric(d) => {
-                let medium = |m: &crate::material::Medium| PreparedMedium {
+                let medium = |m: &crate::material::Medium, dispersion| PreparedMedium {
                     ior: m.ior,
+                    dispersion,
                     absorption: m.absorption.coefficient(),
                 };
-                let (interior, exterior) = (medium(&d.interior), medium(&d.exterior));
+                let interior = medium(&d.interior, d.dispersion);
+                let exterior = medium(&d.exterior, 0.0);
                 let rank = ranks.get(&i).copied();
                 prepared.border = Some(Border { interior, exterior, material: i as u32, rank });
             }
@@ -195,6 +221,28 @@ pub(super) fn prepare_materials(
     };
     let materials = all.iter().enumerate().map(prepare).collect();
     (materials, varying, opacities)
+}
+
+/// The bands of the spectrum, where a material bends them differently, and the BSDFs for each of
+/// the materials that are the same everywhere, whose numbers they are given.
+pub(super) fn disperse(materials: &mut [PreparedMaterial]) -> Option<(Bands, Vec<[Bsdf; BANDS]>)> {
+    let disperses = |m: &PreparedMaterial| m.border.is_some_and(|border| border.disperses());
+    if !materials.iter().any(disperses) {
+        return None;
+    }
+    let (bands, mut dispersed) = (Bands::new(), Vec::new());
+    for material in materials {
+        // Of media with a priority only the place knows what is on both sides.
+        let known = material.varying.is_none() && material.rank().is_none();
+        if let Some(border) = material.border.filter(|border| border.disperses() && known) {
+            let mut all = [material.bsdf; BANDS];
+            for (bsdf, band) in all.iter_mut().zip(bands.iter()) {
+                *bsdf = material.bsdf.with_eta(border.eta_at(band.wavelength_nm));
+            }
+            material.dispersed = Some(push(&mut dispersed, all));
+        }
+    }
+    Some((bands, dispersed))
 }
 
 /// Adds an item, and gives its number.

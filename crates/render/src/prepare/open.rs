@@ -3,7 +3,13 @@
 //! Whether a ray meets a surface that is there in part is decided by chance,
 //! by a number made of the place and the ray's direction: the same ray meets
 //! the same surface, whoever asks, alone or among others.
+//!
+//! Surfaces that have only a front are not there for rays that come from behind. Light goes the
+//! other way: what comes from behind is stopped, for the camera sees the front, and what comes
+//! from the front goes on to whatever is behind, and lights the front as well
+//! ([`Prepared::closest_packet_of_light`]).
 
+use super::material::PreparedMaterial;
 use super::prepared::Prepared;
 use super::texture::TexturePlace;
 use crate::material::{Opacity, OpacityMode};
@@ -31,6 +37,16 @@ impl Prepared {
         hits
     }
 
+    /// The same for eight rays of light: surfaces that have only a front are met from both sides,
+    /// for whoever follows the light to decide.
+    pub(crate) fn closest_packet_of_light(&self, rays: &RayPacket) -> HitPacket {
+        let mut hits = self.surfaces.closest_packet(rays);
+        if self.some_open {
+            self.see_past_holes(rays, &mut hits);
+        }
+        hits
+    }
+
     /// Whether anything is in a ray's way that rays do not pass.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
@@ -49,8 +65,20 @@ impl Prepared {
     fn see_past(&self, rays: &RayPacket, hits: &mut HitPacket) {
         for lane in each_lane(rays.there()) {
             let hit = hits.hit(lane);
-            if hit.as_ref().is_some_and(|hit| self.is_open(hit)) {
+            if hit.as_ref().is_some_and(|hit| self.may_be_open(&rays.ray(lane), hit)) {
                 hits.set(lane, self.closest_there(&rays.ray(lane), hit).as_ref());
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn see_past_holes(&self, rays: &RayPacket, hits: &mut HitPacket) {
+        for lane in each_lane(rays.there()) {
+            let hit = hits.hit(lane);
+            if hit.as_ref().is_some_and(|hit| self.material_at(hit).opacity.is_some()) {
+                let ray = rays.ray(lane);
+                let there = self.closest_for(&ray, hit, |hit| self.is_whole(&ray, hit));
+                hits.set(lane, there.as_ref());
             }
         }
     }
@@ -64,11 +92,21 @@ impl Prepared {
 
     /// What a ray meets first of what is there, if the first surface on its way is `hit`.
     #[inline(never)]
-    fn closest_there(&self, ray: &Ray, mut hit: Option<Hit>) -> Option<Hit> {
+    fn closest_there(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
+        self.closest_for(ray, hit, |hit| self.is_there(ray, hit))
+    }
+
+    /// The same where `is_there` says what is.
+    fn closest_for(
+        &self,
+        ray: &Ray,
+        mut hit: Option<Hit>,
+        is_there: impl Fn(&Hit) -> bool,
+    ) -> Option<Hit> {
         let mut ahead = *ray;
         for _ in 0..PASSES {
             let met = hit?;
-            if self.is_there(ray, &met) {
+            if is_there(&met) {
                 return hit;
             }
             ahead.t_min = met.t.next_up();
@@ -83,8 +121,7 @@ impl Prepared {
         let mut ahead = *ray;
         for _ in 0..PASSES {
             let Some(hit) = self.surfaces.closest(&ahead) else { return false };
-            let passes = self.materials[self.object(&hit).material as usize].passes;
-            if !passes && self.is_there(ray, &hit) {
+            if !self.material_at(&hit).passes && self.is_there(ray, &hit) {
                 return true;
             }
             ahead.t_min = hit.t.next_up();
@@ -92,12 +129,23 @@ impl Prepared {
         true
     }
 
-    fn is_open(&self, hit: &Hit) -> bool {
-        self.materials[self.object(hit).material as usize].opacity.is_some()
+    fn material_at(&self, hit: &Hit) -> &PreparedMaterial {
+        &self.materials[self.object(hit).material as usize]
+    }
+
+    fn may_be_open(&self, ray: &Ray, hit: &Hit) -> bool {
+        let material = self.material_at(hit);
+        material.opacity.is_some() || material.one_sided && comes_from_behind(ray, hit)
     }
 
     /// Whether there is something where a ray meets a surface.
     fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
+        let only_behind = self.material_at(hit).one_sided && comes_from_behind(ray, hit);
+        !only_behind && self.is_whole(ray, hit)
+    }
+
+    /// Whether there is no hole where a ray meets a surface.
+    fn is_whole(&self, ray: &Ray, hit: &Hit) -> bool {
         let object = self.object(hit);
         let Some(number) = self.materials[object.material as usize].opacity else { return true };
         let opacity = &self.opacities[number as usize];
@@ -114,6 +162,11 @@ impl Prepared {
         let own = if opacity.vertex_colors { place.vertex_color()[3] } else { 1.0 };
         self.textures.scalar(&opacity.amount, &place) * own
     }
+}
+
+/// Whether a ray meets the back of a surface.
+fn comes_from_behind(ray: &Ray, hit: &Hit) -> bool {
+    hit.normal.dot(ray.direction) > 0.0
 }
 
 /// A number in [0, 1) for a ray at a surface, as good as drawn at random.

@@ -31,15 +31,46 @@ impl Prepared {
         let normal = corners.iter().fold(Vec3::ZERO, |sum, (_, n, w)| sum + *n * *w);
         match material.normal_map {
             None => flat.smoothed(normal, corners),
-            Some(map) => {
-                let normal = normal.normalize_or(hit.normal);
-                let normal = if normal.dot(hit.normal) < 0.0 { -normal } else { normal };
-                let mapped = self.mapped(hit, object, &vertices, normal, map);
-                // One that points into the surface is none.
-                let above = mapped.dot(hit.normal) > 0.0;
-                flat.smoothed(if above { mapped } else { normal }, corners)
-            }
+            Some(map) => flat.smoothed(self.bumped(hit, object, &vertices, normal, map), corners),
         }
+    }
+
+    /// The interpolated `normal`, of any length, turned as a picture says: on the front of the surface,
+    /// of any length.
+    fn bumped(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        vertices: &[Vertex; 3],
+        normal: Vec3,
+        map: NormalMap,
+    ) -> Vec3 {
+        let normal = normal.normalize_or(hit.normal);
+        let normal = if normal.dot(hit.normal) < 0.0 { -normal } else { normal };
+        let mapped = self.mapped(hit, object, vertices, normal, map);
+        // One that points into the surface is none.
+        if mapped.dot(hit.normal) > 0.0 { mapped } else { normal }
+    }
+
+    /// The normal of a coat in the shading frame of `at`, on the front: interpolated, and turned as its
+    /// own picture says, but not as that of what is below it (`KHR_materials_clearcoat`).
+    pub(super) fn coat_normal(
+        &self,
+        map: Option<NormalMap>,
+        hit: &Hit,
+        at: &SurfaceInteraction,
+    ) -> Vec3 {
+        let object = self.object(hit);
+        let Some(vertices) = self.vertices(hit, object) else { return at.bent(hit.normal) };
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let normal = object.first_normal.map_or(hit.normal, |first| {
+            let each = [0, 1, 2].map(|i| self.normal_at(hit, first + vertices[i].number));
+            (0..3).fold(Vec3::ZERO, |sum, i| sum + each[i] * weights[i])
+        });
+        at.bent(match map {
+            None => normal,
+            Some(map) => self.bumped(hit, object, &vertices, normal, map),
+        })
     }
 
     /// What a picture makes of the light that a surface gives at a place, if it does that.
@@ -70,7 +101,31 @@ impl Prepared {
     }
 
     /// Where u and v grow, as unit vectors at right angles to the normal and each other; `None` where
-    /// that is nowhere.
+    /// the surface has no texture coordinates, or they are the same everywhere.
+    pub(super) fn directions(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        normal: Vec3,
+    ) -> Option<(Vec3, Vec3)> {
+        if let Some(vertices) = self.vertices(hit, object) {
+            let told = object.first_uv.is_some() || object.first_tangent.is_some();
+            return self.tangents(hit, object, &vertices, normal).filter(|_| told);
+        }
+        let number = hit.primitive as usize - self.surfaces.triangles().len();
+        let spheres = self.surfaces.spheres().len();
+        let along = match self.surfaces.disks().get(number.wrapping_sub(spheres)) {
+            Some(disk) => disk.u,
+            // East of a sphere.
+            None if number < spheres => Vec3::Y.cross(normal),
+            None => return None,
+        };
+        let u = (along - normal * normal.dot(along)).try_normalize()?;
+        Some((u, normal.cross(u)))
+    }
+
+    /// Where u and v grow on a triangle, as unit vectors at right angles to the normal and each other;
+    /// `None` where that is nowhere.
     fn tangents(
         &self,
         hit: &Hit,

@@ -4,8 +4,10 @@ use super::casting::{Casting, Extent};
 use super::material::PreparedMaterial;
 use super::texture::{Eye, PreparedTextures};
 use super::varying::Varying;
+use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::Spectrum;
+use crate::dispersion::{BANDS, Bands};
 use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter, LightTree};
 use crate::material::Opacity;
@@ -43,6 +45,10 @@ pub struct Prepared {
     pub(super) opacities: Arc<[Opacity]>,
     /// What tells more of materials that vary.
     pub(super) varying: Arc<[Varying]>,
+    /// The bands of the spectrum, where some material bends them differently.
+    pub(super) bands: Option<Arc<Bands>>,
+    /// How materials that do so scatter each band.
+    pub(super) dispersed: Arc<[[Bsdf; BANDS]]>,
     /// Those with a priority, the strongest first.
     pub(super) ranked_media: Arc<[PreparedMedium]>,
     pub(super) emitters: Arc<[Emitter]>,
@@ -245,7 +251,9 @@ impl Prepared {
         SurfaceOf {
             material,
             emitter: object.emitter_of(primitive),
-            smoothed: object.first_normal.is_some() || material.normal_map.is_some(),
+            smoothed: object.first_normal.is_some()
+                || material.normal_map.is_some()
+                || material.own_coat,
         }
     }
 
@@ -256,7 +264,10 @@ impl Prepared {
         let flat =
             SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
         if self.materials[object.material as usize].is_painted() {
-            return self.painted(hit, object, flat);
+            let at = self.painted(hit, object, flat);
+            // A coat mirrors by another normal, which is bent for the camera's way.
+            let own_coat = self.materials[object.material as usize].own_coat;
+            return if own_coat { at.seen_by_the_camera_alone() } else { at };
         }
         let Some(first_normal) = object.first_normal else { return flat };
         let Some(vertices) = self.vertices(hit, object) else { return flat };
@@ -446,14 +457,65 @@ impl Prepared {
         &self.materials[interaction.material as usize]
     }
 
-    /// A material that varies, as it is where it was hit; `None` for all others.
+    /// A material that varies, as it is where it was hit and seen from `at`; `None` for all others.
     pub(crate) fn varied_at(
         &self,
         hit: &Hit,
+        at: &SurfaceInteraction,
         material: &PreparedMaterial,
     ) -> Option<PreparedMaterial> {
-        let bsdf = self.varied_bsdf(material.varying?, hit);
-        Some(PreparedMaterial { bsdf, ..*material })
+        let bsdf = self.varied_bsdf(material.varying?, hit, at, material.own_coat);
+        Some(PreparedMaterial { bsdf, dispersed: None, ..*material })
+    }
+
+    /// Whether some material bends bands of the spectrum differently.
+    pub(crate) fn disperses(&self) -> bool {
+        self.bands.is_some()
+    }
+
+    /// How a material that bends bands of the spectrum differently scatters the band that a path is
+    /// left with, and what that is worth. If it has none yet, `u`, in [0, 1), chooses it. `room` is
+    /// for the material; all others are given back as they are.
+    #[inline(always)]
+    pub(crate) fn in_one_band<'m>(
+        &self,
+        material: &'m PreparedMaterial,
+        media: &mut Media,
+        u: impl FnOnce() -> f32,
+        room: &'m mut Option<PreparedMaterial>,
+    ) -> (Spectrum, &'m PreparedMaterial) {
+        match &self.bands {
+            None => (Spectrum::WHITE, material),
+            Some(bands) => self.in_band_of(bands, material, media, u, room),
+        }
+    }
+
+    /// The same, apart, so that the common way stays short.
+    #[inline(never)]
+    fn in_band_of<'m>(
+        &self,
+        bands: &Bands,
+        material: &'m PreparedMaterial,
+        media: &mut Media,
+        u: impl FnOnce() -> f32,
+        room: &'m mut Option<PreparedMaterial>,
+    ) -> (Spectrum, &'m PreparedMaterial) {
+        let Some(border) = material.border.filter(Border::disperses) else {
+            return (Spectrum::WHITE, material);
+        };
+        let (band, worth) = match media.band {
+            Some(band) => (band, Spectrum::WHITE),
+            None => {
+                let band = bands.choose(u());
+                (band, bands.get(band).worth)
+            }
+        };
+        media.band = Some(band);
+        let bsdf = match material.dispersed {
+            Some(number) => self.dispersed[number as usize][band as usize],
+            None => material.bsdf.with_eta(border.eta_at(bands.get(band).wavelength_nm)),
+        };
+        (worth, room.insert(PreparedMaterial { bsdf, ..*material }))
     }
 
     /// The albedo where it was hit of a material that varies and is nothing but Lambert's; `None` for

@@ -4,9 +4,10 @@ use super::prepared::Prepared;
 use super::texture::{PreparedTextures, TexturePlace};
 use crate::bsdf::{Bsdf, Lambert, Lobe, OrenNayar, UniformLambert};
 use crate::color::Spectrum;
+use crate::interaction::SurfaceInteraction;
 use crate::material::{CustomMaterial, HemisphereSampling, Matte, Principled, SurfacePoint};
 use crate::texture::{ColorInput, ScalarInput};
-use rutilant_geom::Hit;
+use rutilant_geom::{Frame, Hit, Vec2, real};
 use std::sync::Arc;
 
 /// How a material scatters, told for each place.
@@ -64,8 +65,15 @@ fn matte_lobe(matte: &Matte, albedo: Spectrum) -> Lobe {
 }
 
 impl Prepared {
-    /// How the varying material of this number scatters where it was hit.
-    pub(super) fn varied_bsdf(&self, number: u32, hit: &Hit) -> Bsdf {
+    /// How the varying material of this number scatters where it was hit. `own_coat` says whether
+    /// its coat has another normal than what is below it.
+    pub(super) fn varied_bsdf(
+        &self,
+        number: u32,
+        hit: &Hit,
+        at: &SurfaceInteraction,
+        own_coat: bool,
+    ) -> Bsdf {
         match &self.varying[number as usize] {
             Varying::Custom(custom) => {
                 let uv = self.uv(hit);
@@ -80,7 +88,16 @@ impl Prepared {
                 let scalar = |factor, texture| {
                     self.textures.scalar(&ScalarInput { factor, texture }, &place)
                 };
-                principled.varied(color, scalar).into()
+                let mut parameters = principled.varied(color, scalar);
+                if principled.is_anisotropic() {
+                    let turned = self.tangent_angle(principled, hit, &at.shading, &place);
+                    parameters.anisotropy_rotation = turned;
+                }
+                if own_coat {
+                    let map = principled.coat_normal_map;
+                    parameters.coat_normal = self.coat_normal(map, hit, at);
+                }
+                parameters.into()
             }
             Varying::Lobes(lobes) => {
                 let place = TexturePlace::new(self, self.object(hit), hit);
@@ -88,6 +105,29 @@ impl Prepared {
                 Bsdf::sum(lobes.map(|(weight, lobe)| (*weight, lobe.at(&self.textures, &place))))
             }
         }
+    }
+
+    /// Where the tangent of facets lies, in radians from the x axis of the `shading` frame towards
+    /// its y axis: `KHR_materials_anisotropy`.
+    fn tangent_angle(
+        &self,
+        principled: &Principled,
+        hit: &Hit,
+        shading: &Frame,
+        place: &TexturePlace<'_>,
+    ) -> f32 {
+        let direction = principled.textures.anisotropy_direction.map_or(Vec2::X, |texture| {
+            let [x, y, ..] = self.textures.rgba(texture, place);
+            Vec2::new(2.0 * x - 1.0, 2.0 * y - 1.0).normalize_or(Vec2::X)
+        });
+        let (s, c) = real::sin_cos(principled.anisotropy_rotation);
+        let turned =
+            Vec2::new(c * direction.x - s * direction.y, s * direction.x + c * direction.y);
+        let local = match self.directions(hit, self.object(hit), shading.z) {
+            Some((u, v)) => shading.to_local(u * turned.x + v * turned.y).truncate(),
+            None => turned,
+        };
+        real::atan2(local.y, local.x)
     }
 
     /// The albedo of the varying material of this number where it was hit, if it does nothing but

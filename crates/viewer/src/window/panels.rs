@@ -9,7 +9,7 @@ use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
     Absorption, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Metal, Mirror,
-    Principled, ThinDielectric,
+    Principled, Sides, ThinDielectric, most_rough_dispersion,
 };
 use rutilant::settings::{Heuristic, IntegratorKind, Roulette, SamplerKind};
 use rutilant_formats::Look;
@@ -235,17 +235,27 @@ fn one_material(ui: &mut Ui, material: &mut Material) {
     if priority.is_none() {
         emission(ui, &mut material.emission);
     }
+    let mut single_sided = material.sides == Sides::Front;
+    if ui.checkbox(&mut single_sided, "Single-sided").changed() {
+        material.sides = if single_sided { Sides::Front } else { Sides::Both };
+    }
 }
 
 fn dielectric(ui: &mut Ui, m: &mut Dielectric) {
     // Rough borders have less room.
     let highest = if m.roughness > 0.0 { 2.4 } else { 4.0 };
-    number(ui, "Index of refraction", &mut m.interior.ior, 1.0..=highest, false);
+    // Violet light must get out of rough glass as well.
+    if m.dispersion == 0.0 || m.roughness == 0.0 {
+        number(ui, "Index of refraction", &mut m.interior.ior, 1.0..=highest, false);
+    }
     let may_be_rough = m.fresnel == rutilant::bsdf::Fresnel::Exact
-        && m.interior.ior.max(m.exterior.ior) <= 2.4 * m.interior.ior.min(m.exterior.ior);
+        && m.interior.ior.max(m.exterior.ior) <= 2.4 * m.interior.ior.min(m.exterior.ior)
+        && m.dispersion <= most_rough_dispersion(m.interior.ior);
     if may_be_rough {
         number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
     }
+    let most = if m.roughness > 0.0 { most_rough_dispersion(m.interior.ior) } else { 20.0 };
+    number(ui, "Dispersion", &mut m.dispersion, 0.0..=most, false);
     absorption(ui, &mut m.interior.absorption);
 }
 
@@ -257,7 +267,8 @@ fn principled(ui: &mut Ui, m: &mut Principled) {
         number(ui, "Metallic", &mut m.metallic, 0.0..=1.0, false);
     }
     // Light must get out of rough glass again.
-    if m.thin_walled || m.ior <= 2.4 {
+    let violet_may_be_rough = m.dispersion <= most_rough_dispersion(m.ior);
+    if m.thin_walled || m.ior <= 2.4 && violet_may_be_rough {
         number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
         number(ui, "Anisotropy", &mut m.anisotropy, 0.0..=1.0, false);
     }
@@ -266,11 +277,13 @@ fn principled(ui: &mut Ui, m: &mut Principled) {
     color(ui, "Specular colour", &mut m.specular_color);
     let is_smooth = m.roughness == 0.0 && m.anisotropy == 0.0;
     let highest = if m.thin_walled || is_smooth { 4.0 } else { 2.4 };
-    number(ui, "Index of refraction", &mut m.ior, 1.0..=highest, false);
+    if m.thin_walled || is_smooth || m.dispersion == 0.0 {
+        number(ui, "Index of refraction", &mut m.ior, 1.0..=highest, false);
+    }
     if m.priority.is_none() {
         number(ui, "Transmission", &mut m.transmission, 0.0..=1.0, false);
         number(ui, "Diffuse transmission", &mut m.diffuse_transmission, 0.0..=1.0, false);
-        if is_smooth || m.ior <= 2.4 {
+        if is_smooth || m.ior <= 2.4 && violet_may_be_rough {
             ui.checkbox(&mut m.thin_walled, "Thin-walled");
         }
     }
@@ -278,6 +291,8 @@ fn principled(ui: &mut Ui, m: &mut Principled) {
         color(ui, "Colour of that", &mut m.diffuse_transmission_color);
     }
     if m.has_inside() {
+        let most = if is_smooth { 20.0 } else { most_rough_dispersion(m.ior) };
+        number(ui, "Dispersion", &mut m.dispersion, 0.0..=most, false);
         absorption(ui, &mut m.absorption);
     }
     number(ui, "Coat", &mut m.coat, 0.0..=1.0, false);

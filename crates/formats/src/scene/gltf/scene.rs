@@ -25,7 +25,7 @@ use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
     Absorption, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
-    Principled, PrincipledTextures,
+    Principled, PrincipledTextures, Sides, most_rough_dispersion,
 };
 use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
@@ -159,8 +159,8 @@ impl<'d> Maker<'d> {
         for (i, primitive) in document.meshes[number].primitives.iter().enumerate() {
             let written = document.material(primitive, self.variant);
             let material = self.material(written, primitive.colors.contains_key(&0));
-            let map = written.and_then(|m| document.materials[m].normal_texture);
-            let tangents = map.map(|map| map.set).filter(|_| primitive.tangents.is_none());
+            let wanted = written.and_then(|m| tangents_of(&document.materials[m]));
+            let tangents = wanted.filter(|_| primitive.tangents.is_none());
             // What is bent is another mesh at every node.
             let bends = placed.skin.is_some() || !primitive.targets.is_empty();
             let key = (number, i, tangents);
@@ -222,7 +222,7 @@ impl<'d> Maker<'d> {
                 // White, rough metal, by the specification; nobody means that.
                 let textures = PrincipledTextures { vertex_colors, ..Default::default() };
                 let kind = Principled { roughness: 1.0, textures, ..Principled::default() };
-                Material::new(MaterialKind::Principled(Box::new(kind)))
+                Material { sides: Sides::Front, ..Material::from(kind) }
             }
         };
         let id = self.scene.add_material(material);
@@ -250,12 +250,15 @@ impl<'d> Maker<'d> {
             !always
         });
         let name = written.name.clone();
+        let sides = if written.double_sided { Sides::Both } else { Sides::Front };
         if written.unlit {
             let light = EmittedLight::Radiance(color);
-            let emission = Some(Emission { light, texture: base, two_sided: true });
+            let two_sided = written.double_sided;
+            let emission = Some(Emission { light, texture: base, two_sided });
             return Material {
                 emission,
                 opacity,
+                sides,
                 ..Material::new(MaterialKind::Black).named(name)
             };
         }
@@ -277,7 +280,7 @@ impl<'d> Maker<'d> {
             base,
             vertex_colors,
         )));
-        Material { emission, opacity, normal_map, ..Material::new(kind).named(name) }
+        Material { emission, opacity, normal_map, sides, ..Material::new(kind).named(name) }
     }
 
     fn principled(
@@ -326,6 +329,10 @@ impl<'d> Maker<'d> {
         }
         if let Some(coat) = &written.clearcoat {
             (made.coat, made.coat_roughness) = (coat.factor, coat.roughness);
+            made.coat_normal_map = coat.normal_texture.as_ref().map(|map| NormalMap {
+                texture: self.texture(map, Encoding::Linear),
+                scale: coat.normal_scale,
+            });
             made.textures.coat = self.scalar(coat.texture.as_ref(), Channel::Red);
             made.textures.coat_roughness =
                 self.scalar(coat.roughness_texture.as_ref(), Channel::Green);
@@ -339,6 +346,8 @@ impl<'d> Maker<'d> {
         if let Some(film) = &written.iridescence {
             (made.iridescence, made.iridescence_ior) = (film.factor, film.ior.clamp(1.0, MOST_IOR));
             made.iridescence_thickness_nm = film.thickness_maximum_nm.clamp(0.0, THICKEST_NM);
+            made.iridescence_thickness_minimum_nm =
+                film.thickness_minimum_nm.clamp(0.0, THICKEST_NM);
             made.textures.iridescence = self.scalar(film.texture.as_ref(), Channel::Red);
             made.textures.iridescence_thickness_nm =
                 self.scalar(film.thickness_texture.as_ref(), Channel::Green);
@@ -353,9 +362,17 @@ impl<'d> Maker<'d> {
         if let Some(anisotropy) = &written.anisotropy {
             made.anisotropy = anisotropy.strength;
             made.anisotropy_rotation = in_degrees(anisotropy.rotation);
+            let texture = anisotropy.texture.as_ref();
+            made.textures.anisotropy = self.scalar(texture, Channel::Blue);
+            made.textures.anisotropy_direction =
+                texture.map(|texture| self.texture(texture, Encoding::Linear));
         }
-        if made.has_inside() && made.ior > MOST_ROUGH_IOR {
-            made.ior = MOST_ROUGH_IOR;
+        if made.has_inside() {
+            made.ior = made.ior.min(MOST_ROUGH_IOR);
+            // Violet light, which is bent most, must get out of rough glass as well.
+            let rough = made.roughness > 0.0 || made.anisotropy > 0.0;
+            let most = if rough { most_rough_dispersion(made.ior) } else { MOST_DISPERSION };
+            made.dispersion = written.dispersion.min(most);
         }
         made
     }
@@ -505,10 +522,22 @@ impl<'d> Maker<'d> {
 const MOST_IOR: f32 = 10.0;
 /// That of rough glass.
 const MOST_ROUGH_IOR: f32 = 2.5;
+/// The most that a material disperses: an Abbe number of 1.
+const MOST_DISPERSION: f32 = 20.0;
 /// What is left of light at least, for there to be a coefficient.
 const LEAST_LEFT: f32 = 1e-4;
 /// The thickest film that a material takes.
 const THICKEST_NM: f32 = 1e5;
+
+/// The set of coordinates whose tangents a material needs, if it needs some: those that its normals
+/// are told in, which are those of its scratches as well.
+fn tangents_of(written: &Written) -> Option<u32> {
+    let scratched = written.anisotropy.as_ref().filter(|anisotropy| anisotropy.strength > 0.0);
+    let scratches = scratched.map(|anisotropy| anisotropy.texture.map_or(0, |map| map.set));
+    let coat = written.clearcoat.as_ref().and_then(|coat| coat.normal_texture);
+    let map = written.normal_texture.or(coat);
+    map.map(|map| map.set).or(scratches)
+}
 
 /// A primitive without what bends.
 fn mesh_of(primitive: &Primitive, name: &str) -> Mesh {

@@ -52,11 +52,12 @@ pub(super) const NOISE: &[&str] = &["octaves", "gain"];
 pub(super) const COLOR_INPUT: &[&str] = &["texture", "image", "factor", "vertex_colors"];
 
 pub(super) const SCALAR_INPUT: &[&str] = &["texture", "image", "channel", "factor"];
+pub(super) const DIRECTIONS: &[&str] = &["texture", "image"];
 pub(super) const NORMAL_MAP: &[&str] = &["texture", "image", "scale"];
 pub(super) const OPACITY: &[&str] =
     &["texture", "image", "channel", "factor", "vertex_colors", "cutoff"];
 
-pub(super) const ANY_MATERIAL: &[&str] = &["name", "type"];
+pub(super) const ANY_MATERIAL: &[&str] = &["name", "type", "single_sided"];
 pub(super) const EMISSION: &[&str] =
     &["radiance", "power", "strength", "two_sided", "texture", "image"];
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map"];
@@ -66,6 +67,7 @@ pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
 pub(super) const DIELECTRIC: &[&str] = &[
     "ior",
     "exterior_ior",
+    "dispersion",
     "roughness",
     "sigma_a",
     "absorption_color",
@@ -81,9 +83,11 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "diffuse_roughness",
     "anisotropy",
     "anisotropy_rotation_degrees",
+    "anisotropy_direction",
     "specular",
     "specular_color",
     "ior",
+    "dispersion",
     "transmission",
     "thin_walled",
     "diffuse_transmission",
@@ -96,11 +100,13 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "coat_color",
     "coat_roughness",
     "coat_ior",
+    "coat_normal_map",
     "sheen_color",
     "sheen_roughness",
     "iridescence",
     "iridescence_ior",
     "iridescence_thickness_nm",
+    "iridescence_thickness_minimum_nm",
 ];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 
@@ -137,6 +143,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("noise", NOISE),
     ("a textured color", COLOR_INPUT),
     ("a textured number", SCALAR_INPUT),
+    ("a picture of directions", DIRECTIONS),
     ("a normal map", NORMAL_MAP),
     ("opacity", OPACITY),
     ("[[material]]", ANY_MATERIAL),
@@ -188,6 +195,7 @@ pub(super) fn is_known(name: &str) -> bool {
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("scale", &["uv_scale"]),
     ("normal_scale", &["normal_map"]),
+    ("coat_normal_scale", &["coat_normal_map"]),
     (
         "transform",
         &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit", "instances"],

@@ -12,7 +12,7 @@ use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
-    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures,
+    MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures, Sides,
     ThinDielectric,
 };
 use rutilant::scene::{MaterialId, Place, TextureId};
@@ -78,6 +78,9 @@ pub(super) fn read_all<'d>(tables: &[Table<'d>], draft: &mut Draft<'d>) -> Resul
     }
     for table in tables {
         let material = read(table, draft)?.named(table.must("name", Value::text)?);
+        let single_sided = table.or("single_sided", Value::flag, false)?;
+        let sides = if single_sided { Sides::Front } else { Sides::Both };
+        let material = Material { sides, ..material };
         draft.add_material(table, material);
     }
     note_lost_emission(draft);
@@ -223,6 +226,7 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
         fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
         priority: table.maybe("priority", Value::whole)?,
         roughness: roughness(table)?,
+        dispersion: table.or("dispersion", Value::number, 0.0)?,
     })
 }
 
@@ -240,6 +244,7 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
     };
     let metallic = part("metallic", usual.metallic, &mut textures.metallic)?;
     let roughness = part("roughness", usual.roughness, &mut textures.roughness)?;
+    let anisotropy = part("anisotropy", usual.anisotropy, &mut textures.anisotropy)?;
     let specular = part("specular", usual.specular, &mut textures.specular)?;
     let transmission = part("transmission", usual.transmission, &mut textures.transmission)?;
     let diffuse_transmission = part(
@@ -258,6 +263,10 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         usual.iridescence_thickness_nm,
         &mut textures.iridescence_thickness_nm,
     )?;
+    textures.anisotropy_direction =
+        table.maybe("anisotropy_direction", |value| texture::directions(value, table, draft))?;
+    let coat_normal_map =
+        table.maybe("coat_normal_map", |value| texture::normal_map(value, table, draft))?;
     let mut color = |key, usual: Rgb| {
         table.or(key, |value| texture::color_input(value, table, draft), ColorInput::from(usual))
     };
@@ -283,11 +292,12 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         metallic,
         roughness,
         diffuse_roughness: number("diffuse_roughness", usual.diffuse_roughness)?,
-        anisotropy: number("anisotropy", usual.anisotropy)?,
+        anisotropy,
         anisotropy_rotation: turn.to_radians(),
         specular,
         specular_color,
         ior: number("ior", usual.ior)?,
+        dispersion: number("dispersion", usual.dispersion)?,
         transmission,
         thin_walled: table.or("thin_walled", Value::flag, usual.thin_walled)?,
         diffuse_transmission,
@@ -298,11 +308,16 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
         coat_color: table.or("coat_color", Value::color, usual.coat_color)?,
         coat_roughness,
         coat_ior: number("coat_ior", usual.coat_ior)?,
+        coat_normal_map,
         sheen_color,
         sheen_roughness,
         iridescence,
         iridescence_ior: number("iridescence_ior", usual.iridescence_ior)?,
         iridescence_thickness_nm,
+        iridescence_thickness_minimum_nm: number(
+            "iridescence_thickness_minimum_nm",
+            usual.iridescence_thickness_minimum_nm,
+        )?,
         textures,
     })
 }
@@ -355,10 +370,13 @@ pub(super) fn keys_of(
 ) -> Option<Vec<Group>> {
     let name = Group::one(&["name"], said::text(&material.name));
     let kind = |name: &str| Group::one(&["type"], said::text(name));
+    let single_sided = (material.sides == Sides::Front).to_string();
+    let single_sided = Group::or(&["single_sided"], single_sided, "false");
     if let (MaterialKind::Black, Some(emission), true) = (&material.kind, &material.emission, lamp)
     {
         let mut groups = vec![name, kind("emissive")];
         groups.extend(keys_of_emission(emission, textures));
+        groups.push(single_sided);
         return Some(groups);
     }
     let rough = |roughness| Group::or(&["roughness"], number(roughness), "0");
@@ -400,6 +418,7 @@ pub(super) fn keys_of(
                 Group::or(&["fresnel"], said::name(FRESNELS, &m.fresnel), &usual),
                 Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
                 rough(m.roughness),
+                Group::or(&["dispersion"], number(m.dispersion), "0"),
             ]
         }
         MaterialKind::ThinDielectric(m) => vec![
@@ -430,8 +449,10 @@ pub(super) fn keys_of(
     groups.push(Group::of(&["emission"], emission.into_iter().collect::<Vec<_>>()));
     let opacity = material.opacity.as_ref().map(|o| texture::said_opacity(o, textures));
     groups.push(Group::of(&["opacity"], opacity.into_iter().collect::<Vec<_>>()));
-    let map = material.normal_map.as_ref().map(|map| texture::said_normal_map(map, textures));
+    let map = material.normal_map.as_ref();
+    let map = map.map(|map| texture::said_normal_map("normal_map", map, textures));
     groups.push(Group::of(&["normal_map"], map.into_iter().collect::<Vec<_>>()));
+    groups.push(single_sided);
     Some(groups)
 }
 
@@ -451,6 +472,8 @@ pub(super) fn textures_of(material: &Material) -> Vec<(TextureId, Encoding)> {
                 vertex_colors: _,
                 metallic,
                 roughness,
+                anisotropy,
+                anisotropy_direction,
                 specular,
                 specular_color,
                 transmission,
@@ -467,6 +490,7 @@ pub(super) fn textures_of(material: &Material) -> Vec<(TextureId, Encoding)> {
             let scalars = [
                 metallic,
                 roughness,
+                anisotropy,
                 specular,
                 transmission,
                 diffuse_transmission,
@@ -477,6 +501,8 @@ pub(super) fn textures_of(material: &Material) -> Vec<(TextureId, Encoding)> {
                 iridescence_thickness_nm,
             ];
             numbers.extend(scalars.map(|scalar| scalar.map(|(id, _)| id)));
+            numbers.push(anisotropy_direction);
+            numbers.push(principled.coat_normal_map.map(|map| map.texture));
         }
         MaterialKind::Black
         | MaterialKind::Null
@@ -503,16 +529,22 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
         let input = ColorInput { factor, texture, vertex_colors };
         Group::of(key, [texture::said_color(key[0], &input, names, &color(usual))])
     };
+    let scratches = of.anisotropy_direction;
+    let scratches = scratches.map(|id| texture::said_directions("anisotropy_direction", id, names));
+    let coat_map = m.coat_normal_map.as_ref();
+    let coat_map = coat_map.map(|map| texture::said_normal_map("coat_normal_map", map, names));
     vec![
         tint(&["base_color"], m.base_color, of.base_color, of.vertex_colors, usual.base_color),
         part(&["metallic"], m.metallic, of.metallic, usual.metallic),
         part(&["roughness"], m.roughness, of.roughness, usual.roughness),
         number(&["diffuse_roughness"], m.diffuse_roughness, usual.diffuse_roughness),
-        number(&["anisotropy"], m.anisotropy, usual.anisotropy),
+        part(&["anisotropy"], m.anisotropy, of.anisotropy, usual.anisotropy),
         Group::or(&["anisotropy_rotation_degrees"], degrees(m.anisotropy_rotation), "0"),
+        Group::of(&["anisotropy_direction"], scratches.into_iter().collect::<Vec<_>>()),
         part(&["specular"], m.specular, of.specular, usual.specular),
         tint(&["specular_color"], m.specular_color, of.specular_color, false, usual.specular_color),
         number(&["ior"], m.ior, usual.ior),
+        number(&["dispersion"], m.dispersion, usual.dispersion),
         part(&["transmission"], m.transmission, of.transmission, usual.transmission),
         Group::or(&["thin_walled"], m.thin_walled.to_string(), "false"),
         part(
@@ -534,6 +566,7 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
         Group::or(&["coat_color"], color(m.coat_color), &color(usual.coat_color)),
         part(&["coat_roughness"], m.coat_roughness, of.coat_roughness, usual.coat_roughness),
         number(&["coat_ior"], m.coat_ior, usual.coat_ior),
+        Group::of(&["coat_normal_map"], coat_map.into_iter().collect::<Vec<_>>()),
         tint(&["sheen_color"], m.sheen_color, of.sheen_color, false, usual.sheen_color),
         part(&["sheen_roughness"], m.sheen_roughness, of.sheen_roughness, usual.sheen_roughness),
         part(&["iridescence"], m.iridescence, of.iridescence, usual.iridescence),
@@ -543,6 +576,11 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
             m.iridescence_thickness_nm,
             of.iridescence_thickness_nm,
             usual.iridescence_thickness_nm,
+        ),
+        number(
+            &["iridescence_thickness_minimum_nm"],
+            m.iridescence_thickness_minimum_nm,
+            usual.iridescence_thickness_minimum_nm,
         ),
     ]
 }

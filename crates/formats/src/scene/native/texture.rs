@@ -194,6 +194,18 @@ pub(super) fn scalar_input<'d>(
     Ok(ScalarInput { factor, texture: texture.map(|id| (id, channel)) })
 }
 
+/// A picture of directions along a surface.
+pub(super) fn directions<'d>(
+    value: &Value<'d>,
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<TextureId, SceneError> {
+    let table = value.table("a picture of directions")?;
+    table.only(&[keys::DIRECTIONS])?;
+    table.either(["texture", "image"])?;
+    texture_of(&table, owner, Encoding::Linear, draft)?.ok_or_else(|| table.missing("texture"))
+}
+
 /// A picture of normals.
 pub(super) fn normal_map<'d>(
     value: &Value<'d>,
@@ -376,10 +388,20 @@ pub(super) fn said_scalar(
 }
 
 /// A picture of normals.
-pub(super) fn said_normal_map(map: &NormalMap, names: &[TextureName]) -> Said {
+pub(super) fn said_normal_map(key: &'static str, map: &NormalMap, names: &[TextureName]) -> Said {
     let groups =
         vec![said_texture(Some(map.texture), names), Group::or(&["scale"], number(map.scale), "1")];
-    Said { key: "normal_map", value: Written::Table(groups), usual: false }
+    Said { key, value: Written::Table(groups), usual: false }
+}
+
+/// A picture of directions along a surface.
+pub(super) fn said_directions(
+    key: &'static str,
+    texture: TextureId,
+    names: &[TextureName],
+) -> Said {
+    let value = Written::Table(vec![said_texture(Some(texture), names)]);
+    Said { key, value, usual: false }
 }
 
 /// How much of a surface is there.

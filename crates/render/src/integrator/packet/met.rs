@@ -62,13 +62,16 @@ fn scattering_at<'p>(
     scene: &Prepared,
     hits: &HitPacket,
     lane: usize,
+    direction: Vec3,
+    smoothed: Option<SurfaceInteraction>,
     material: &'p PreparedMaterial,
     made: &'p mut Option<PreparedMaterial>,
 ) -> (&'p PreparedMaterial, Scattering) {
     if material.varies()
         && let Some(hit) = hits.hit(lane)
     {
-        return varied_at(scene, &hit, material, made);
+        let at = || smoothed.unwrap_or_else(|| scene.interaction(&hit, direction));
+        return varied_at(scene, &hit, at, material, made);
     }
     (material, material.bsdf.scattering())
 }
@@ -78,6 +81,7 @@ fn scattering_at<'p>(
 fn varied_at<'p>(
     scene: &Prepared,
     hit: &Hit,
+    at: impl FnOnce() -> SurfaceInteraction,
     material: &'p PreparedMaterial,
     made: &'p mut Option<PreparedMaterial>,
 ) -> (&'p PreparedMaterial, Scattering) {
@@ -85,7 +89,7 @@ fn varied_at<'p>(
         let black = albedo.max_channel() <= 0.0;
         return (material, if black { Scattering::Black } else { Scattering::Lambert(albedo) });
     }
-    let material = match scene.varied_at(hit, material) {
+    let material = match scene.varied_at(hit, &at(), material) {
         Some(varied) => &*made.insert(varied),
         None => material,
     };
@@ -133,15 +137,19 @@ impl<'p> MetPacket<'p> {
                 continue;
             }
             let surface = scene.surface_of(hits.instance(lane), primitive);
+            let direction = at(&rays.direction, lane);
+            let mut smoothed = None;
             if surface.smoothed
                 && let Some(hit) = hits.hit(lane)
             {
                 met.smoothed |= bit;
-                met.smooth(lane, &scene.interaction(&hit, at(&rays.direction, lane)));
+                let at = smoothed.insert(scene.interaction(&hit, direction));
+                met.smooth(lane, at);
             }
             met.emitters[lane] = surface.emitter;
             met.glows |= u32::from(surface.emitter.is_some()) << lane;
-            let (material, scattering) = scattering_at(scene, hits, lane, surface.material, made);
+            let (material, scattering) =
+                scattering_at(scene, hits, lane, direction, smoothed, surface.material, made);
             met.materials[lane] = Some(material);
             match scattering {
                 Scattering::Black => met.black |= bit,
@@ -313,10 +321,14 @@ impl<'p> MetPacket<'p> {
         }
         let led =
             paths.lead.iter().enumerate().fold(0, |all, (i, l)| all | u32::from(*l > 0.0) << i);
-        for lane in each_lane(which & led & !delta) {
+        let one_sided = |lane: usize| self.materials[lane].is_some_and(|m| m.one_sided);
+        let onward = each_lane(led & delta)
+            .filter(|&lane| !one_sided(lane))
+            .fold(0, |all, lane| all | 1 << lane);
+        for lane in each_lane(which & led & !onward) {
             paths.lead[lane] = 0.0;
         }
-        for lane in each_lane(which & led & delta & self.smoothed) {
+        for lane in each_lane(which & onward & self.smoothed) {
             let came = surface.wo.negated().lane(lane);
             let squeeze = self.hits.hit(lane).and_then(|hit| {
                 scene.interaction(&hit, came).squeeze(at(&paths.rays.direction, lane))

@@ -23,7 +23,7 @@ use crate::scene::ply;
 use crate::shown::shown;
 use assets::Assets;
 use rutilant::light::EnvironmentLight;
-use rutilant::material::{Material, MaterialKind};
+use rutilant::material::{Material, MaterialKind, Sides};
 use rutilant::scene::{BitmapId, ImageId, MeshId, Scene};
 use rutilant::shape::{Mesh, Shape};
 use rutilant::texture::{Encoding, ImageTexture, Texture};
@@ -93,7 +93,7 @@ pub(crate) fn convert(
     }
     for one in &materials {
         // A lamp is only that: what else there is about it needs the long form.
-        let is_lamp = one.opacity.is_none() && one.normal_map.is_none();
+        let is_lamp = one.opacity.is_none() && one.normal_map.is_none() && one.sides == Sides::Both;
         let groups = material::keys_of(one, &material_names, &textures, is_lamp);
         tables.push(said::table("[[material]]", &groups.unwrap_or_default()));
     }
