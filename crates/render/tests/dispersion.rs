@@ -163,7 +163,7 @@ fn dispersive_glass_vanishes_in_the_furnace() {
     let mut scene = row(|ior| glass(DISPERSION, ior));
     scene.environment = Some(Environment::constant(Rgb::WHITE));
     for integrator in [IntegratorKind::Path, IntegratorKind::Naive] {
-        let settings = Settings { size: [24, 6], integrator, ..small(1024) };
+        let settings = Settings { size: [24, 6], integrator, ..small(512) };
         let image = render(&scene, settings);
         for channel in ["R", "G", "B"] {
             let (mean, error) = mean(&image, channel);
@@ -190,7 +190,7 @@ fn light_paths_take_the_same_colours() {
     put(Shape::Rectangle { size: Vec2::splat(40.0) }, floor, turn);
     put(Shape::Sphere { radius: 0.3 }, glass, at(0.0, 0.5, 0.0));
     put(Shape::Sphere { radius: 0.3 }, lamp, at(-0.9, 2.4, -0.8));
-    let settings = Settings { size: [16, 16], sampler: SamplerKind::Sobol, ..small(4096) };
+    let settings = Settings { size: [16, 16], sampler: SamplerKind::Sobol, ..small(2048) };
     let with = render(&scene, settings.clone());
     let without = render(&scene, Settings { caustics: false, ..settings });
     for channel in ["R", "G", "B"] {

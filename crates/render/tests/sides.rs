@@ -156,7 +156,7 @@ fn caustics_agree_on_fronts() {
         put(&mut scene, Shape::Sphere { radius: 0.3 }, lamp, place(-0.9, 2.4, -0.8));
         put(&mut scene, rectangle(0.5), sheet, place(0.15, 0.12, 0.2) * turn);
         put(&mut scene, rectangle(1.0), sheet, place(-0.45, 1.45, -0.4) * turn);
-        let settings = Settings { size: [16, 16], sampler: SamplerKind::Sobol, ..small(2048) };
+        let settings = Settings { size: [16, 16], sampler: SamplerKind::Sobol, ..small(1024) };
         let with = mean(&render(&scene, settings.clone()), "G").0;
         let without = mean(&render(&scene, Settings { caustics: false, ..settings }), "G").0;
         println!("{with} for {without}");
