@@ -8,7 +8,7 @@ use rutilant::camera::Orthographic;
 use rutilant::color::Rgb;
 use rutilant::geom::{Frame, Vec2, Vec3, real};
 use rutilant::light::{Environment, Light};
-use rutilant::material::{Material, NormalMap, Principled};
+use rutilant::material::{Bumps, Material, NormalMap, Principled};
 use rutilant::scene::{Scene, TextureId};
 use rutilant::settings::Settings;
 use rutilant::shape::{Object, Shape};
@@ -38,7 +38,7 @@ fn scene(material: Material, normals: &[Vec3], wo: Vec3) -> Scene {
 }
 
 fn map(texture: u32) -> Option<NormalMap> {
-    Some(NormalMap { texture: TextureId(texture), scale: 1.0 })
+    Some(NormalMap { texture: TextureId(texture), scale: 1.0, shows: Bumps::Normals })
 }
 
 /// Under a directional light every layer shines as it does on a surface that leans as its own map

@@ -11,7 +11,7 @@ use rutilant::geom::{Ray, Transform, Vec2, Vec3, real};
 use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
-    Emission, Material, MaterialKind, Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode,
+    Bumps, Emission, Material, MaterialKind, Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode,
     Principled, PrincipledTextures,
 };
 use rutilant::scene::{Scene, TextureId};
@@ -437,7 +437,7 @@ fn normal_maps_tilt_surfaces() {
         let bitmap = scene.add_bitmap(Bitmap::new(1, 1, 3, Texels::Float(texel.clone())).unwrap());
         let texture = scene
             .add_texture(ImageTexture { encoding: Encoding::Linear, ..ImageTexture::new(bitmap) });
-        let normal_map = Some(NormalMap { texture, scale: 1.0 });
+        let normal_map = Some(NormalMap { texture, scale: 1.0, shows: Bumps::Normals });
         let bumpy = Material { normal_map, ..Matte::new(Rgb::WHITE).into() };
         let bumpy = scene.add_material(bumpy);
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -462,6 +462,52 @@ fn normal_maps_tilt_surfaces() {
         let settings = Settings { size: [4, 4], filter: PIXEL, ..small(16) };
         let (value, _) = mean(&render(&scene, settings), "G");
         assert!((value - expected).abs() < 2e-3, "{mirrored} {with_tangents}: {value} {expected}");
+    }
+}
+
+/// A picture of a ramp shades a flat surface like the ramp: heights are metres of the world, however
+/// the surface is mirrored, scaled, or its picture laid onto it.
+#[test]
+fn heights_tilt_surfaces() {
+    const SIDE: u32 = 64;
+    let row = (0..SIDE).map(|i| (i as f32 + 0.5) / SIDE as f32);
+    let ramp: Vec<f32> = (0..SIDE).flat_map(|_| row.clone()).collect();
+    for (scale, flipped, size) in [
+        (Vec3::ONE, false, 1.0_f32),
+        (Vec3::new(-1.0, 1.0, 1.0), false, 1.0),
+        (Vec3::ONE, true, 1.0),
+        (Vec3::splat(2.0), false, 2.0),
+    ] {
+        let mut scene = scene();
+        scene.environment = None;
+        let ramp = Bitmap::new(SIDE, SIDE, 1, Texels::Float(ramp.clone())).unwrap();
+        let bitmap = scene.add_bitmap(ramp);
+        let texture = scene
+            .add_texture(ImageTexture { encoding: Encoding::Linear, ..ImageTexture::new(bitmap) });
+        // A quarter of the ramp for each metre: up by half a metre.
+        let normal_map = Some(NormalMap { texture, scale: 2.0, shows: Bumps::Heights });
+        let bumpy = Material { normal_map, ..Matte::new(Rgb::WHITE).into() };
+        let bumpy = scene.add_material(bumpy);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let across = if flipped { -0.25 } else { 0.25 };
+        let mesh = scene.add_mesh(Mesh {
+            positions: corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            normals: vec![Vec3::Z; 4],
+            uvs: corners.map(|[x, y]| Vec2::new(0.5 + across * x, 0.5 + 0.25 * y)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        });
+        let square = Object::new(Shape::Mesh(mesh), bumpy);
+        scene.objects.push(square.transformed(&Transform::scale(scale)));
+        let from = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
+        let irradiance = Rgb::WHITE;
+        scene.lights.push(Light::Directional { direction: -from, irradiance });
+        let slope = if flipped || scale.x < 0.0 { -0.5 } else { 0.5 } / size;
+        let normal = Vec3::new(-slope, 0.0, 1.0).normalize();
+        let expected = f64::from(normal.dot(from)) / std::f64::consts::PI;
+        let settings = Settings { size: [4, 4], filter: PIXEL, ..small(16) };
+        let (value, _) = mean(&render(&scene, settings), "G");
+        assert!((value - expected).abs() < 1e-3, "{scale} {flipped}: {value} {expected}");
     }
 }
 

@@ -45,7 +45,7 @@ use crate::limits::Limits;
 use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
 use rutilant::material::{
-    Absorption, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
+    Absorption, Bumps, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
     NormalMap, Opacity, OpacityMode, Principled, PrincipledTextures,
 };
 use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, TextureId};
@@ -450,7 +450,8 @@ impl<'a> Parser<'a> {
             let glow = || Emission { texture, ..Emission::radiance(radiance) };
             (radiance != Rgb::BLACK).then(glow)
         });
-        let normal_map = written.norm.map(|texture| NormalMap { texture, scale: 1.0 });
+        let normal_map =
+            written.norm.map(|texture| NormalMap { texture, scale: 1.0, shows: Bumps::Normals });
         let opacity = written.map_d.map(|texture| {
             let bitmap = |id: TextureId| self.library.textures[id.0 as usize].bitmap;
             let in_color = written.map_kd.is_some_and(|color| bitmap(color) == bitmap(texture));

@@ -22,7 +22,7 @@ pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use mix::Mix;
-pub use normal_map::NormalMap;
+pub use normal_map::{Bumps, NormalMap};
 pub use opacity::{Opacity, OpacityMode};
 pub use principled::{Principled, PrincipledTextures};
 pub use sides::Sides;

@@ -4,7 +4,7 @@ use super::prepared::{Prepared, PreparedObject, Vertex};
 use super::texture::TexturePlace;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
-use crate::material::NormalMap;
+use crate::material::{Bumps, NormalMap};
 use rutilant_geom::{Hit, Vec3};
 
 impl Prepared {
@@ -47,7 +47,10 @@ impl Prepared {
     ) -> Vec3 {
         let normal = normal.normalize_or(hit.normal);
         let normal = if normal.dot(hit.normal) < 0.0 { -normal } else { normal };
-        let mapped = self.mapped(hit, object, vertices, normal, map);
+        let mapped = match map.shows {
+            Bumps::Normals => self.mapped(hit, object, vertices, normal, map),
+            Bumps::Heights => self.raised(hit, object, vertices, normal, map),
+        };
         // One that points into the surface is none.
         if mapped.dot(hit.normal) > 0.0 { mapped } else { normal }
     }
@@ -89,7 +92,7 @@ impl Prepared {
         object: &PreparedObject,
         vertices: &[Vertex; 3],
         normal: Vec3,
-        NormalMap { texture, scale }: NormalMap,
+        NormalMap { texture, scale, shows: _ }: NormalMap,
     ) -> Vec3 {
         let Some((u, v)) = self.tangents(hit, object, vertices, normal) else { return normal };
         let place = TexturePlace::new(self, object, hit);
@@ -98,6 +101,35 @@ impl Prepared {
             [r, g, b].map(|c| 2.0 * c - 1.0)
         };
         u * (x * scale) + v * (y * scale) + normal * z
+    }
+
+    /// The unit vector `normal` of a surface that is raised by the heights of a picture; of any length.
+    ///
+    /// Source: Mikkelsen, *Bump Mapping Unparametrized Surfaces on the GPU*, Journal of Graphics, GPU
+    /// and Game Tools 15 (2010), equation 4: the normal less the slope along the surface.
+    fn raised(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        vertices: &[Vertex; 3],
+        normal: Vec3,
+        NormalMap { texture, scale, shows: _ }: NormalMap,
+    ) -> Vec3 {
+        let place = TexturePlace::new(self, object, hit);
+        let slope = scale * self.textures.slope(texture, &place);
+        // Where u and v grow, in metres for each unit: u runs along the edges p and q of the triangle
+        // as its texture coordinates say.
+        let [s, t, r] = self.uvs_of(object, vertices, self.textures.set(texture));
+        let [a, b, c] = vertices.map(|vertex| vertex.position);
+        let (p, q) = (t - s, r - s);
+        let area = p.perp_dot(q);
+        let along_u = ((b - a) * q.y - (c - a) * p.y) / area;
+        let along_v = ((c - a) * p.x - (b - a) * q.x) / area;
+        // Its length is the area of a unit of u times v, seen along the normal.
+        let facing = along_u.cross(along_v).dot(normal);
+        let across = along_v.cross(normal) * slope.x + normal.cross(along_u) * slope.y;
+        let raised = normal * facing.abs() - across * facing.signum();
+        if raised.is_finite() { raised } else { normal }
     }
 
     /// Where u and v grow, as unit vectors at right angles to the normal and each other; `None` where

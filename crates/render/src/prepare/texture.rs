@@ -142,6 +142,26 @@ impl PreparedTextures {
         principled.varied(color, scalar)
     }
 
+    /// How much the red of a texture grows at a place for each unit of the surface's texture
+    /// coordinates, over as much as a pixel shows.
+    pub(super) fn slope(&self, id: TextureId, at: &TexturePlace<'_>) -> Vec2 {
+        let texture = &self.textures[id.0 as usize];
+        let (_, width) = at.uv(texture.mapping().set);
+        let half = 0.5 * width.max(texture.finest());
+        let red = |x: f32, y: f32| {
+            let moved = TexturePlace { moved: half * Vec2::new(x, y), ..*at };
+            texture.rgba(&moved)[0]
+        };
+        let slope = Vec2::new(red(1.0, 0.0) - red(-1.0, 0.0), red(0.0, 1.0) - red(0.0, -1.0));
+        let slope = slope / (2.0 * half);
+        if slope.is_finite() { slope } else { Vec2::ZERO }
+    }
+
+    /// The set of texture coordinates that a texture lies on.
+    pub(super) fn set(&self, id: TextureId) -> u32 {
+        self.textures[id.0 as usize].mapping().set
+    }
+
     /// Red, green, blue and opacity of a texture at a place.
     pub(super) fn rgba(&self, id: TextureId, at: &TexturePlace<'_>) -> [f32; 4] {
         self.textures[id.0 as usize].rgba(at)
@@ -206,6 +226,23 @@ fn mended(bitmap: &Arc<Bitmap>) -> (usize, Arc<Bitmap>) {
 }
 
 impl PreparedTexture {
+    fn mapping(&self) -> &PreparedMapping {
+        match self {
+            Self::Image { mapping, .. } | Self::Pattern { mapping, .. } => mapping,
+        }
+    }
+
+    /// The smallest step of a surface's texture coordinates over which it is worth looking at.
+    fn finest(&self) -> f32 {
+        /// Of a unit of a pattern: single precision still tells its heights apart.
+        const PATTERN: f32 = 1.0 / 256.0;
+        let step = match self {
+            Self::Image { pyramid, .. } => pyramid.texel(),
+            Self::Pattern { .. } => PATTERN,
+        };
+        step / self.mapping().scale
+    }
+
     /// Red, green, blue and opacity at a place.
     #[inline]
     fn rgba(&self, at: &TexturePlace<'_>) -> [f32; 4] {
@@ -283,30 +320,34 @@ impl Eye {
 }
 
 /// A place on a surface where textures are looked at.
+#[derive(Clone, Copy)]
 pub(super) struct TexturePlace<'p> {
     scene: &'p Prepared,
     object: &'p PreparedObject,
     hit: &'p Hit,
     /// The width of what a pixel shows, in metres.
     width: f32,
+    /// How far from there in texture coordinates.
+    moved: Vec2,
 }
 
 impl<'p> TexturePlace<'p> {
     #[inline]
     pub(super) fn new(scene: &'p Prepared, object: &'p PreparedObject, hit: &'p Hit) -> Self {
-        Self { scene, object, hit, width: scene.eye.width_at(hit.position) }
+        let width = scene.eye.width_at(hit.position);
+        Self { scene, object, hit, width, moved: Vec2::ZERO }
     }
 
     /// Texture coordinates of a set, and how wide in them what a pixel shows is.
     #[inline]
     fn uv(&self, set: u32) -> (Vec2, f32) {
-        let Self { scene, object, hit, width } = self;
+        let Self { scene, object, hit, width, moved } = self;
         let Some(vertices) = scene.vertices(hit, object) else {
             let per_metre = scene.uvs_per_metre(hit.primitive);
-            return (scene.uv(hit), width * per_metre);
+            return (scene.uv(hit) + *moved, width * per_metre);
         };
         let [a, b, c] = scene.uvs_of(object, &vertices, set);
-        let uv = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v;
+        let uv = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v + *moved;
         let [p, q, r] = vertices.map(|vertex| vertex.position);
         let areas = ((b - a).perp_dot(c - a).abs(), (q - p).cross(r - p).length());
         (uv, width * (areas.0 / areas.1).sqrt())

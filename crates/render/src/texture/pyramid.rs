@@ -82,6 +82,11 @@ impl Pyramid {
         texel(self.smaller.last().unwrap_or(&self.base), &self.codes, 0, 0)
     }
 
+    /// How wide a texel is, in texture coordinates, in the mean of both directions.
+    pub(crate) fn texel(&self) -> f32 {
+        1.0 / (self.base.width() as f32 * self.base.height() as f32).sqrt()
+    }
+
     /// Red, green, blue and opacity at `uv`, over a `width` in texture coordinates.
     #[inline]
     pub(crate) fn at(

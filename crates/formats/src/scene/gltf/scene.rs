@@ -24,8 +24,8 @@ use crate::scene::pictures::{self, Pictures, Wanted};
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
-    Principled, PrincipledTextures, Sides, most_rough_dispersion,
+    Absorption, Bumps, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity,
+    OpacityMode, Principled, PrincipledTextures, Sides, most_rough_dispersion,
 };
 use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
@@ -273,6 +273,7 @@ impl<'d> Maker<'d> {
         let normal_map = written.normal_texture.as_ref().map(|map| NormalMap {
             texture: self.texture(map, Encoding::Linear),
             scale: written.normal_scale,
+            shows: Bumps::Normals,
         });
         let kind = MaterialKind::Principled(Box::new(self.principled(
             written,
@@ -332,6 +333,7 @@ impl<'d> Maker<'d> {
             made.coat_normal_map = coat.normal_texture.as_ref().map(|map| NormalMap {
                 texture: self.texture(map, Encoding::Linear),
                 scale: coat.normal_scale,
+                shows: Bumps::Normals,
             });
             made.textures.coat = self.scalar(coat.texture.as_ref(), Channel::Red);
             made.textures.coat_roughness =

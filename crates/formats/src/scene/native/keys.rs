@@ -60,7 +60,7 @@ pub(super) const OPACITY: &[&str] =
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type", "single_sided"];
 pub(super) const EMISSION: &[&str] =
     &["radiance", "power", "strength", "two_sided", "texture", "image"];
-pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map"];
+pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map", "bump_map"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
 pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
@@ -101,6 +101,7 @@ pub(super) const PRINCIPLED: &[&str] = &[
     "coat_roughness",
     "coat_ior",
     "coat_normal_map",
+    "coat_bump_map",
     "sheen_color",
     "sheen_roughness",
     "iridescence",
@@ -144,7 +145,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("a textured color", COLOR_INPUT),
     ("a textured number", SCALAR_INPUT),
     ("a picture of directions", DIRECTIONS),
-    ("a normal map", NORMAL_MAP),
+    ("a normal or bump map", NORMAL_MAP),
     ("opacity", OPACITY),
     ("[[material]]", ANY_MATERIAL),
     ("an emissive material or emission", EMISSION),
@@ -194,8 +195,10 @@ pub(super) fn is_known(name: &str) -> bool {
 /// first of the others. What comes from a file is shown at the file's name.
 pub(super) const STANDS_FOR: &[(&str, &[&str])] = &[
     ("scale", &["uv_scale"]),
-    ("normal_scale", &["normal_map"]),
-    ("coat_normal_scale", &["coat_normal_map"]),
+    ("normal_map", &["bump_map"]),
+    ("normal_scale", &["normal_map", "bump_map"]),
+    ("coat_normal_map", &["coat_bump_map"]),
+    ("coat_normal_scale", &["coat_normal_map", "coat_bump_map"]),
     (
         "transform",
         &["matrix", "scale", "rotate", "rotate_degrees", "translate", "center", "fit", "instances"],

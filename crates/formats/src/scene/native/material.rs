@@ -58,6 +58,10 @@ const METALS: &[(&str, Metal)] = &[
 
 const FRESNELS: &[(&str, Fresnel)] = &[("exact", Fresnel::Exact), ("schlick", Fresnel::Schlick)];
 
+/// The keys of bumps that are painted, as normals and as heights.
+const BUMPS: [&str; 2] = ["normal_map", "bump_map"];
+const COAT_BUMPS: [&str; 2] = ["coat_normal_map", "coat_bump_map"];
+
 /// Index of refraction of window glass, near enough.
 const GLASS: f32 = 1.5;
 
@@ -176,7 +180,7 @@ fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Material, SceneE
         emission(&table, owner, draft)
     })?;
     let opacity = table.maybe("opacity", |value| texture::opacity(value, table, draft))?;
-    let normal_map = table.maybe("normal_map", |value| texture::normal_map(value, table, draft))?;
+    let normal_map = texture::bumps(BUMPS, table, draft)?;
     Ok(Material { emission, opacity, normal_map, ..Material::new(kind) })
 }
 
@@ -265,8 +269,7 @@ fn principled<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<Principled
     )?;
     textures.anisotropy_direction =
         table.maybe("anisotropy_direction", |value| texture::directions(value, table, draft))?;
-    let coat_normal_map =
-        table.maybe("coat_normal_map", |value| texture::normal_map(value, table, draft))?;
+    let coat_normal_map = texture::bumps(COAT_BUMPS, table, draft)?;
     let mut color = |key, usual: Rgb| {
         table.or(key, |value| texture::color_input(value, table, draft), ColorInput::from(usual))
     };
@@ -449,9 +452,7 @@ pub(super) fn keys_of(
     groups.push(Group::of(&["emission"], emission.into_iter().collect::<Vec<_>>()));
     let opacity = material.opacity.as_ref().map(|o| texture::said_opacity(o, textures));
     groups.push(Group::of(&["opacity"], opacity.into_iter().collect::<Vec<_>>()));
-    let map = material.normal_map.as_ref();
-    let map = map.map(|map| texture::said_normal_map("normal_map", map, textures));
-    groups.push(Group::of(&["normal_map"], map.into_iter().collect::<Vec<_>>()));
+    groups.push(texture::said_bumps(&BUMPS, material.normal_map.as_ref(), textures));
     groups.push(single_sided);
     Some(groups)
 }
@@ -531,8 +532,6 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
     };
     let scratches = of.anisotropy_direction;
     let scratches = scratches.map(|id| texture::said_directions("anisotropy_direction", id, names));
-    let coat_map = m.coat_normal_map.as_ref();
-    let coat_map = coat_map.map(|map| texture::said_normal_map("coat_normal_map", map, names));
     vec![
         tint(&["base_color"], m.base_color, of.base_color, of.vertex_colors, usual.base_color),
         part(&["metallic"], m.metallic, of.metallic, usual.metallic),
@@ -566,7 +565,7 @@ fn keys_of_principled(m: &Principled, names: &[TextureName]) -> Vec<Group> {
         Group::or(&["coat_color"], color(m.coat_color), &color(usual.coat_color)),
         part(&["coat_roughness"], m.coat_roughness, of.coat_roughness, usual.coat_roughness),
         number(&["coat_ior"], m.coat_ior, usual.coat_ior),
-        Group::of(&["coat_normal_map"], coat_map.into_iter().collect::<Vec<_>>()),
+        texture::said_bumps(&COAT_BUMPS, m.coat_normal_map.as_ref(), names),
         tint(&["sheen_color"], m.sheen_color, of.sheen_color, false, usual.sheen_color),
         part(&["sheen_roughness"], m.sheen_roughness, of.sheen_roughness, usual.sheen_roughness),
         part(&["iridescence"], m.iridescence, of.iridescence, usual.iridescence),

@@ -8,7 +8,7 @@ use crate::error::SceneError;
 use crate::scene::loaded::TextureName;
 use crate::shown::shown;
 use rutilant::color::Rgb;
-use rutilant::material::{NormalMap, Opacity, OpacityMode};
+use rutilant::material::{Bumps, NormalMap, Opacity, OpacityMode};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
     Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Noise,
@@ -206,18 +206,36 @@ pub(super) fn directions<'d>(
     texture_of(&table, owner, Encoding::Linear, draft)?.ok_or_else(|| table.missing("texture"))
 }
 
-/// A picture of normals.
-pub(super) fn normal_map<'d>(
+/// A picture of normals or of heights, by one of two keys.
+pub(super) fn bumps<'d>(
+    keys: [&'static str; 2],
+    owner: &Table<'d>,
+    draft: &mut Draft<'d>,
+) -> Result<Option<NormalMap>, SceneError> {
+    let [normals, heights] = keys;
+    let shows = match owner.at_most_one(&keys)? {
+        Some(key) if key == normals => Bumps::Normals,
+        _ => Bumps::Heights,
+    };
+    let key = if shows == Bumps::Normals { normals } else { heights };
+    owner.maybe(key, |value| normal_map(value, shows, owner, draft))
+}
+
+fn normal_map<'d>(
     value: &Value<'d>,
+    shows: Bumps,
     owner: &Table<'d>,
     draft: &mut Draft<'d>,
 ) -> Result<NormalMap, SceneError> {
-    let table = value.table("a normal map")?;
+    let table = value.table(match shows {
+        Bumps::Normals => "a normal map",
+        Bumps::Heights => "a bump map",
+    })?;
     table.only(&[keys::NORMAL_MAP])?;
     table.either(["texture", "image"])?;
     let texture = texture_of(&table, owner, Encoding::Linear, draft)?;
     let texture = texture.ok_or_else(|| table.missing("texture"))?;
-    Ok(NormalMap { texture, scale: table.or("scale", Value::number, 1.0)? })
+    Ok(NormalMap { texture, scale: table.or("scale", Value::number, 1.0)?, shows })
 }
 
 /// A number, or a table that says more: how much of a surface is there.
@@ -387,11 +405,23 @@ pub(super) fn said_scalar(
     Said { key, value: Written::Table(groups), usual: false }
 }
 
-/// A picture of normals.
-pub(super) fn said_normal_map(key: &'static str, map: &NormalMap, names: &[TextureName]) -> Said {
-    let groups =
-        vec![said_texture(Some(map.texture), names), Group::or(&["scale"], number(map.scale), "1")];
-    Said { key, value: Written::Table(groups), usual: false }
+/// A picture of normals or of heights, by one of two keys.
+pub(super) fn said_bumps(
+    keys: &'static [&'static str; 2],
+    map: Option<&NormalMap>,
+    names: &[TextureName],
+) -> Group {
+    let [normals, heights] = *keys;
+    let said = map.map(|&NormalMap { texture, scale, shows }| {
+        let key = match shows {
+            Bumps::Normals => normals,
+            Bumps::Heights => heights,
+        };
+        let groups =
+            vec![said_texture(Some(texture), names), Group::or(&["scale"], number(scale), "1")];
+        Said { key, value: Written::Table(groups), usual: false }
+    });
+    Group::of(keys, said.into_iter().collect::<Vec<_>>())
 }
 
 /// A picture of directions along a surface.
