@@ -254,8 +254,8 @@ fn the_viewer_shows_what_is_written() {
 fn pictures_come_on_the_way() {
     let desk = Desk::new();
     let (address, viewer) = viewer("127.0.0.1", show).unwrap();
-    // Some five passes.
-    let ran = desk.run(&format!("--threads 1 --spp 250 --tev {address}"));
+    // Some fifteen passes, which take longer than half a second on any machine.
+    let ran = desk.run(&format!("--threads 1 --spp 800 --tev {address}"));
     let shown = viewer.join().unwrap();
     assert_eq!(ran.status, Some(0), "{}", ran.error);
     assert_shows(&shown, &desk.image());

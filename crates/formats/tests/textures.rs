@@ -258,7 +258,7 @@ fn mistakes_are_told() {
         (
             texture("type = \"checker\"\nimage = \"a.png\""),
             "scene.toml:8:1: no key \"image\" in a checker, only in [environment] or an image \
-             texture or a textured color or a textured number or a picture of directions or a normal map or opacity or an \
+             texture or a textured color or a textured number or a picture of directions or a normal or bump map or opacity or an \
              emissive material or emission",
         ),
         (

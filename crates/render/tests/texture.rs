@@ -142,7 +142,7 @@ fn no_surface_makes_light() {
     assert_eq!(tenths(&shown), [WHITE, [0; 3], [0; 3], [0; 3]]);
     let notes = Prepared::new(&scene).unwrap().report().notes.clone();
     let note = notes.iter().map(ToString::to_string).find(|n| n.contains("texture 0"));
-    assert_eq!(note.unwrap(), "texture 0: 2 of its values, infinite or no numbers, count as 0");
+    assert_eq!(note.unwrap(), "texture 0: 2 of its values, above 1e18 or no numbers, count as 0");
 }
 
 /// A board so fine that thousands of squares fall in a pixel is an even grey, in the first sample:
@@ -462,6 +462,39 @@ fn normal_maps_tilt_surfaces() {
         let settings = Settings { size: [4, 4], filter: PIXEL, ..small(16) };
         let (value, _) = mean(&render(&scene, settings), "G");
         assert!((value - expected).abs() < 2e-3, "{mirrored} {with_tangents}: {value} {expected}");
+    }
+}
+
+/// Where a normal map lies on another set of texture coordinates, its normals lean along those.
+#[test]
+fn normal_maps_follow_their_set() {
+    let texel = [0.6_f32, 0.0, 0.8].map(|n| 0.5 * n + 0.5).to_vec();
+    // The second set is turned: its u runs up.
+    for (set, up) in [(0, 0.0_f32), (1, 0.6)] {
+        let mut scene = scene();
+        scene.environment = None;
+        let bitmap = scene.add_bitmap(Bitmap::new(1, 1, 3, Texels::Float(texel.clone())).unwrap());
+        let mapping = UvMapping { set, ..UvMapping::default() };
+        let linear = ImageTexture { encoding: Encoding::Linear, ..ImageTexture::new(bitmap) };
+        let texture = scene.add_texture(ImageTexture { mapping, ..linear });
+        let normal_map = Some(NormalMap { texture, scale: 1.0, shows: Bumps::Normals });
+        let bumpy = scene.add_material(Material { normal_map, ..Matte::new(Rgb::WHITE).into() });
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let mesh = scene.add_mesh(Mesh {
+            positions: corners.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            uvs: corners.map(|[x, y]| Vec2::new(x, y)).to_vec(),
+            more_uvs: vec![corners.map(|[x, y]| Vec2::new(y, -x)).to_vec()],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        });
+        scene.objects.push(Object::new(Shape::Mesh(mesh), bumpy));
+        let from = Vec3::new(0.0, 0.5, 0.75_f32.sqrt());
+        let irradiance = Rgb::WHITE;
+        scene.lights.push(Light::Directional { direction: -from, irradiance });
+        let expected = f64::from(up * from.y + 0.8 * from.z) / std::f64::consts::PI;
+        let settings = Settings { size: [4, 4], filter: PIXEL, ..small(16) };
+        let (value, _) = mean(&render(&scene, settings), "G");
+        assert!((value - expected).abs() < 2e-3, "{set}: {value} {expected}");
     }
 }
 

@@ -24,7 +24,8 @@ fn documents_survive() {
         }
         .expect("written");
         let (before, new) = converted(&from, &to, false);
-        assert_eq!(before.notes, [""; 0]);
+        let unlit = "material \"\": the colour of its vertices is left out";
+        assert_eq!(before.notes, [format!("{}: {unlit}", from.display())]);
         let paths = new.write(&to, false).expect("written");
         assert_eq!(paths.last(), Some(&to));
         let after = read(&to);

@@ -57,6 +57,31 @@ fn texel(scene: &Scene, id: rutilant::scene::TextureId) -> (Vec<u8>, Encoding) {
     (codes.clone(), image.encoding)
 }
 
+/// What a material says beyond what is shown is told.
+#[test]
+fn what_is_not_shown_is_told() {
+    let mut builder = Builder::triangle();
+    let image = picture(&mut builder, [255; 4]);
+    let gloss = json!({"specularGlossinessTexture": {"index": image}});
+    let specular = json!({"specularColorFactor": [1.0, 2.0, 1.0]});
+    let extensions = [
+        json!({"KHR_materials_pbrSpecularGlossiness": gloss}),
+        json!({"KHR_materials_specular": specular}),
+    ];
+    let primitive = |material| json!({"attributes": {"POSITION": 0}, "material": material});
+    builder.json["meshes"] = json!([{"primitives": [primitive(0), primitive(1)]}]);
+    for (name, extensions) in ["old", "bright"].into_iter().zip(extensions) {
+        builder.push("materials", json!({"name": name, "extensions": extensions}));
+    }
+    let notes = sound(&builder).notes;
+    for expected in [
+        "a.glb: material \"old\": the gloss in its specularGlossinessTexture is left out",
+        "a.glb: material \"bright\": what its specularColorFactor has above 1 is left out",
+    ] {
+        assert!(notes.iter().any(|note| note == expected), "{notes:?}");
+    }
+}
+
 /// Every word of a material that is shown arrives, its pictures with the right channels and
 /// encodings; the same picture is in memory once.
 #[test]

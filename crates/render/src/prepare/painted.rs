@@ -94,7 +94,9 @@ impl Prepared {
         normal: Vec3,
         NormalMap { texture, scale, shows: _ }: NormalMap,
     ) -> Vec3 {
-        let Some((u, v)) = self.tangents(hit, object, vertices, normal) else { return normal };
+        let set = self.textures.set(texture);
+        let directions = self.tangents(hit, object, vertices, normal, set);
+        let Some((u, v)) = directions else { return normal };
         let place = TexturePlace::new(self, object, hit);
         let [x, y, z] = {
             let [r, g, b, _] = self.textures.rgba(texture, &place);
@@ -142,7 +144,7 @@ impl Prepared {
     ) -> Option<(Vec3, Vec3)> {
         if let Some(vertices) = self.vertices(hit, object) {
             let told = object.first_uv.is_some() || object.first_tangent.is_some();
-            return self.tangents(hit, object, &vertices, normal).filter(|_| told);
+            return self.tangents(hit, object, &vertices, normal, 0).filter(|_| told);
         }
         let number = hit.primitive as usize - self.surfaces.triangles().len();
         let spheres = self.surfaces.spheres().len();
@@ -156,14 +158,15 @@ impl Prepared {
         Some((u, normal.cross(u)))
     }
 
-    /// Where u and v grow on a triangle, as unit vectors at right angles to the normal and each other;
-    /// `None` where that is nowhere.
+    /// Where u and v grow on a triangle, as unit vectors at right angles to the normal and each other:
+    /// by its tangents, or else by this `set` of its texture coordinates. `None` where that is nowhere.
     fn tangents(
         &self,
         hit: &Hit,
         object: &PreparedObject,
         vertices: &[Vertex; 3],
         normal: Vec3,
+        set: u32,
     ) -> Option<(Vec3, Vec3)> {
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let (along, hand) = match object.first_tangent {
@@ -173,7 +176,7 @@ impl Prepared {
                 (sum, all[0].1)
             }
             None => {
-                let [s, t, r] = self.uvs_of(object, vertices, 0);
+                let [s, t, r] = self.uvs_of(object, vertices, set);
                 let [a, b, c] = vertices.map(|vertex| vertex.position);
                 let (p, q) = (t - s, r - s);
                 let area = p.perp_dot(q);

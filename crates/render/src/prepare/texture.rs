@@ -5,7 +5,7 @@ use crate::bsdf::PrincipledParameters;
 use crate::camera::PreparedCamera;
 use crate::color::{Rgb, Spectrum};
 use crate::material::Principled;
-use crate::problem::{Note, Place};
+use crate::problem::{MOST_LIGHT, Note, Place};
 use crate::scene::{Scene, TextureId};
 use crate::texture::{
     Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Noise, PreparedMapping,
@@ -54,7 +54,7 @@ struct Shown {
     bitmap: Arc<Bitmap>,
     encoding: Encoding,
     pyramid: Arc<Pyramid>,
-    /// Floating-point values that were no numbers.
+    /// Floating-point values that were no numbers, or too large.
     mended: usize,
 }
 
@@ -87,7 +87,7 @@ impl PreparedTextures {
                 let Shown { pyramid, mended, .. } = &pyramids[at];
                 if *mended > 0 {
                     notes.push(Place::Texture(i).note(format!(
-                        "{mended} of its values, infinite or no numbers, count as 0"
+                        "{mended} of its values, above 1e18 or no numbers, count as 0"
                     )));
                 }
                 PreparedTexture::Image {
@@ -212,14 +212,16 @@ impl Shown {
     }
 }
 
-/// The bitmap with 0 for what is no number, and how often that was.
+/// The bitmap with 0 for what is no number, or one beyond all light, and how often that was.
 fn mended(bitmap: &Arc<Bitmap>) -> (usize, Arc<Bitmap>) {
     let Texels::Float(values) = bitmap.texels() else { return (0, Arc::clone(bitmap)) };
-    let broken = values.iter().filter(|v| !v.is_finite()).count();
+    // Between values that are larger, a mean would be none any more.
+    let sound = |v: &&f32| v.abs() <= MOST_LIGHT;
+    let broken = values.len() - values.iter().filter(sound).count();
     if broken == 0 {
         return (0, Arc::clone(bitmap));
     }
-    let whole = values.iter().map(|&v| if v.is_finite() { v } else { 0.0 }).collect();
+    let whole = values.iter().map(|v| if sound(&v) { *v } else { 0.0 }).collect();
     let [width, height] = [bitmap.width(), bitmap.height()];
     let mended = Bitmap::new(width, height, bitmap.channels(), Texels::Float(whole));
     (broken, mended.map_or_else(|| Arc::clone(bitmap), Arc::new))

@@ -21,6 +21,7 @@ use crate::scene::files::Files;
 use crate::scene::loaded::{LoadedScene, camera_for_all, camera_named};
 use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
+use crate::shown::shown;
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
@@ -252,6 +253,9 @@ impl<'d> Maker<'d> {
         let name = written.name.clone();
         let sides = if written.double_sided { Sides::Both } else { Sides::Front };
         if written.unlit {
+            if vertex_colors {
+                self.leave_out(written, "the colour of its vertices");
+            }
             let light = EmittedLight::Radiance(color);
             let two_sided = written.double_sided;
             let emission = Some(Emission { light, texture: base, two_sided });
@@ -284,6 +288,12 @@ impl<'d> Maker<'d> {
         Material { emission, opacity, normal_map, sides, ..Material::new(kind).named(name) }
     }
 
+    /// Tells what of a material is not shown.
+    fn leave_out(&mut self, material: &Written, what: &str) {
+        let (file, name) = (self.path.display(), shown(&material.name));
+        self.notes.push(format!("{file}: material \"{name}\": {what} is left out"));
+    }
+
     fn principled(
         &mut self,
         written: &Written,
@@ -303,6 +313,12 @@ impl<'d> Maker<'d> {
         };
         // An index of 0 stands for one that reflects everything but for the specular colour.
         let ior = if written.ior == 0.0 { MOST_IOR } else { written.ior.clamp(1.0, MOST_IOR) };
+        if written.specular.color.iter().any(|c| *c > 1.0) {
+            self.leave_out(written, "what its specularColorFactor has above 1");
+        }
+        if written.specular_glossiness.as_ref().is_some_and(|gloss| gloss.texture.is_some()) {
+            self.leave_out(written, "the gloss in its specularGlossinessTexture");
+        }
         // A colour above 1 is meant for what an index reflects little of.
         let specular_color = Rgb(written.specular.color.map(|c| c.min(1.0)));
         let mut made = Principled {
