@@ -85,6 +85,13 @@ pub struct Hit {
     pub normal: Vec3,
 }
 
+impl Hit {
+    /// The barycentric weights of a triangle's three vertices.
+    pub fn weights(&self) -> [f32; 3] {
+        [1.0 - self.u - self.v, self.u, self.v]
+    }
+}
+
 impl Surfaces {
     /// Builds the tree over all surfaces.
     ///

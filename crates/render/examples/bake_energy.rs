@@ -8,8 +8,11 @@
 //! taken as often as they are seen (Dupuy and Benyoub 2023), and what each sends on is what
 //! Smith's masking leaves of it. The same bytes come out on every machine.
 
+mod tables;
+
 use std::f64::consts::PI;
 use std::process::ExitCode;
+use tables::{part, write};
 
 /// Facets for an entry: so many turns times so many heights.
 const FACETS: usize = 128;
@@ -55,18 +58,7 @@ fn main() -> ExitCode {
             }
         }
     }
-    match std::fs::write(&path, bytes) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{path}: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-/// Where step `i` of `n` lies between 0 and 1.
-fn part(i: usize, n: usize) -> f64 {
-    i as f64 / (n - 1) as f64
+    write(&path, &bytes)
 }
 
 /// What is lost at a roughness, and at a step between 0 and 1 of the angles.

@@ -9,8 +9,11 @@
 //! taken as often as they are seen (Dupuy and Benyoub 2023), and what each sends on is what
 //! Smith's masking leaves of it. The same bytes come out on every machine.
 
+mod tables;
+
 use std::f64::consts::PI;
 use std::process::ExitCode;
+use tables::{part, write};
 
 /// In the order of the file: indices, roughnesses and angles of what Fresnel's equations add to
 /// the reflection at normal incidence; then the means over angles.
@@ -100,18 +103,7 @@ fn main() -> ExitCode {
             put(sheen(roughness * roughness, (step * step).max(1e-4)));
         }
     }
-    match std::fs::write(&path, bytes) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{path}: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-/// Where step `i` of `n` lies between 0 and 1.
-fn part(i: usize, n: usize) -> f64 {
-    i as f64 / (n - 1) as f64
+    write(&path, &bytes)
 }
 
 /// α of a roughness; that of roughness 0 is a limit.

@@ -47,9 +47,10 @@ pub(crate) struct Made {
     beyond: Option<Media>,
 }
 
-/// After so many surfaces that it passes a ray is given up as black: only shapes that
-/// contradict themselves have more in one direction.
-const PASSES: u32 = 10_000;
+/// After so many surfaces that it passes, or that are not there for it, a ray is given up and brings
+/// no light: only shapes that contradict themselves have more in one direction, and they might have
+/// them without end.
+pub(crate) const MOST_PASSES: u32 = 10_000;
 
 /// Follows `ray` to the next surface that does something to light. `ray` becomes its last,
 /// straight piece; `media` becomes what is on this side of the surface. Counts the rays it traces,
@@ -91,7 +92,7 @@ fn follow_through<'p>(
     glowing: &mut dyn FnMut(&Glowing<'_>),
 ) -> Way<'p> {
     let (mut through, mut passed) = (Spectrum::WHITE, false);
-    for _ in 0..PASSES {
+    for _ in 0..MOST_PASSES {
         let material = scene.material(&at);
         if material.passes {
             let left = through * transmittance(media.absorption, hit.t);

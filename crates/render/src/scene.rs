@@ -138,7 +138,12 @@ impl Scene {
                     primitives += 1;
                     std::mem::replace(&mut stored[id.0 as usize], true)
                 }
-                _ => false,
+                Shape::Mesh(_)
+                | Shape::Box { .. }
+                | Shape::Rectangle { .. }
+                | Shape::Sphere { .. }
+                | Shape::Disk { .. }
+                | Shape::Custom(_) => false,
             };
             if !again {
                 vertices += v;

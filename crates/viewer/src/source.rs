@@ -54,6 +54,22 @@ pub struct Reading {
     pub adjust: Arc<dyn Fn(&mut Settings) + Send + Sync>,
 }
 
+impl Reading {
+    /// How the scene in `file`, or the built-in one, is read by itself: in the size, by the camera and
+    /// under the sky that it has.
+    fn of_the_scene(&self, file: Option<&Path>) -> ReadOptions<'_> {
+        ReadOptions {
+            limits: self.limits,
+            allow_outside: self.allow_outside,
+            strict: self.strict,
+            variant: self.variant.as_deref(),
+            at_time: self.at_time,
+            embedded: if file.is_none() { self.built_in.images } else { &[] },
+            ..ReadOptions::default()
+        }
+    }
+}
+
 /// A scene that has been read, without what is traced.
 #[derive(Clone)]
 pub(crate) struct Document {
@@ -229,15 +245,10 @@ pub(crate) fn open(
 /// The scene and, if it is a native one, its text.
 fn read(file: Option<&Path>, reading: &Reading) -> Result<(Option<String>, LoadedScene), String> {
     let options = ReadOptions {
-        limits: reading.limits,
-        allow_outside: reading.allow_outside,
-        strict: reading.strict,
-        variant: reading.variant.as_deref(),
-        at_time: reading.at_time,
         size: reading.size,
         camera: &reading.camera,
         sky: &reading.sky,
-        embedded: if file.is_none() { reading.built_in.images } else { &[] },
+        ..reading.of_the_scene(file)
     };
     let error = |error: rutilant_formats::SceneError| error.to_string();
     let Some(file) = file else {
@@ -279,16 +290,7 @@ pub(crate) fn text_of(
         "" => CameraChoice::First,
         name => CameraChoice::Named(name.to_owned()),
     };
-    let options = ReadOptions {
-        limits: reading.limits,
-        allow_outside: reading.allow_outside,
-        strict: reading.strict,
-        variant: reading.variant.as_deref(),
-        at_time: reading.at_time,
-        camera: &camera,
-        embedded: if document.file.is_none() { reading.built_in.images } else { &[] },
-        ..ReadOptions::default()
-    };
+    let options = ReadOptions { camera: &camera, ..reading.of_the_scene(document.file.as_deref()) };
     let error = |error: rutilant_formats::SceneError| error.to_string();
     // What the window was opened with is no part of the scene: where that has not been changed, the
     // file keeps its own.

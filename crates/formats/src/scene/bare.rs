@@ -1,7 +1,7 @@
 //! A mesh file on its own, made a scene: grey where it has no material, under an even sky.
 
 use super::files::Fence;
-use super::framing::{bounds_of_all, frame_all};
+use super::framing::{TOO_LARGE, Unseen, frame_all};
 use super::loaded::{self, LoadedScene};
 use super::mesh_file;
 use super::origins::{MeshOrigin, Origins};
@@ -53,13 +53,11 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     // Light and a camera.
     let own_sky = *options.sky == SkyChoice::Own;
     scene.environment = own_sky.then(|| Environment::constant(Rgb::WHITE));
-    let chosen = frame_all(&scene, options.size.unwrap_or(settings.size)).ok_or_else(|| {
-        let why = if no_faces {
-            "there is nothing to see: there are no faces"
-        } else if bounds_of_all(&scene).is_empty() {
-            "there is nothing to see: no vertex is a finite point"
-        } else {
-            TOO_LARGE
+    let chosen = frame_all(&scene, options.size.unwrap_or(settings.size)).map_err(|why| {
+        let why = match why {
+            Unseen::Nothing if no_faces => "there is nothing to see: there are no faces",
+            Unseen::Nothing => "there is nothing to see: no vertex is a finite point",
+            Unseen::TooLarge => TOO_LARGE,
         };
         SceneError::invalid_file(path, why)
     })?;
@@ -92,10 +90,6 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         lines: Default::default(),
     })
 }
-
-/// Said of what no camera can see as a whole.
-pub(super) const TOO_LARGE: &str = "it is too large: a camera that sees all of it would be farther away than single precision \
-     reaches";
 
 /// A matte grey that shows form: neither white nor dark.
 pub(super) fn grey() -> Material {

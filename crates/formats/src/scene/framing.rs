@@ -22,12 +22,23 @@ pub(super) struct Chosen {
     pub(super) camera: Camera,
 }
 
-/// A camera that sees all objects in a picture of `size` pixels. `None` if there is nothing to see, or
-/// if it is too large for single precision.
-pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Chosen> {
+/// Why no camera sees everything.
+pub(super) enum Unseen {
+    /// There is nothing to see.
+    Nothing,
+    /// See [`TOO_LARGE`].
+    TooLarge,
+}
+
+/// Said of what no camera can see as a whole.
+pub(super) const TOO_LARGE: &str = "it is too large: a camera that sees all of it would be farther away than single precision \
+     reaches";
+
+/// A camera that sees all objects in a picture of `size` pixels.
+pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Result<Chosen, Unseen> {
     let bounds = bounds_of_all(scene);
     if bounds.is_empty() {
-        return None;
+        return Err(Unseen::Nothing);
     }
     // A sphere around the bounds fits where the picture is narrowest.
     let radius = bounds.max.distance(bounds.center());
@@ -43,12 +54,12 @@ pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Option<Chosen> {
     if let Some(lens) = authored.kind.lens_mut() {
         lens.focus = FocusOn::Distance(eye.distance(bounds.center()));
     }
-    let camera = authored.camera(size).ok()?;
-    Some(Chosen { authored, camera })
+    let camera = authored.camera(size).map_err(|_| Unseen::TooLarge)?;
+    Ok(Chosen { authored, camera })
 }
 
 /// The box around all objects in the world.
-pub(super) fn bounds_of_all(scene: &Scene) -> Aabb {
+fn bounds_of_all(scene: &Scene) -> Aabb {
     let meshes: Vec<_> = scene.meshes.iter().map(|m| bounds_of(&m.positions)).collect();
     scene.objects.iter().fold(Aabb::EMPTY, |all, object| {
         let centered = |half: Vec3| Aabb { min: -half, max: half };

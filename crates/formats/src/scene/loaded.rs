@@ -1,7 +1,5 @@
 //! What reading a scene gives.
 
-use super::bare::TOO_LARGE;
-use super::framing::{Chosen, bounds_of_all, frame_all};
 use super::nearest::nearest;
 use super::origins::{Origins, PictureOrigin};
 use crate::camera::AuthoredCamera;
@@ -99,19 +97,6 @@ impl LoadedScene {
         })?;
         Ok(self)
     }
-}
-
-/// A camera that sees all of a scene from `path` in a picture of `size` pixels.
-pub(super) fn camera_for_all(
-    scene: &Scene,
-    size: [u32; 2],
-    path: &Path,
-) -> Result<Chosen, SceneError> {
-    frame_all(scene, size).ok_or_else(|| {
-        let nothing = bounds_of_all(scene).is_empty();
-        let why = if nothing { "there is nothing to see in it" } else { TOO_LARGE };
-        SceneError::invalid_file(path, why)
-    })
 }
 
 /// The number of the camera that `options` ask for by its name, or else of the first one.

@@ -57,6 +57,32 @@ fn files_beside_a_scene_are_named() {
     }
 }
 
+/// Patterns that nothing shows yet stay as their author wrote them.
+#[test]
+fn patterns_stay() {
+    const PATTERNS: &str = r#"
+[[texture]]
+name = "wall"
+type = "bricks"
+first = 0.4
+joint = [0.1, 0.2]
+shift = 0.25
+
+[[texture]]
+name = "clouds"
+type = "noise"
+second = [0.5, 0.6, 0.7]
+octaves = 3
+gain = 0.75
+"#;
+    let folder = tempfile::tempdir().expect("a folder");
+    let from = folder.path().join("old.toml");
+    let camera = "camera = { position = [0, 0, 5], look_at = [0, 0, 0] }";
+    fs::write(&from, format!("version = 1\n{camera}\n{PATTERNS}")).expect("written");
+    let (_, new) = converted(&from, &folder.path().join("new.toml"), false);
+    assert!(new.text.contains(PATTERNS), "{}", new.text);
+}
+
 /// What a person reads: the author's words in the order of the documentation, in the fewest digits.
 #[test]
 fn texts_are_pleasant() {
@@ -101,19 +127,6 @@ albedo = [0.5, 0.1, 0.1]
 name = "squares"
 type = "checker"
 uv_scale = 4
-[[texture]]
-name = "wall"
-type = "bricks"
-first = 0.4
-joint = [0.1, 0.2]
-shift = 0.25
-
-[[texture]]
-name = "clouds"
-type = "noise"
-second = [0.5, 0.6, 0.7]
-octaves = 3
-gain = 0.75
 "#;
     fs::write(&from, text).expect("written");
     let (_, new) = converted(&from, &folder.path().join("new.toml"), false);
@@ -137,20 +150,6 @@ color = 0.1
 name = "squares"
 type = "checker"
 uv_scale = 4
-
-[[texture]]
-name = "wall"
-type = "bricks"
-first = 0.4
-joint = [0.1, 0.2]
-shift = 0.25
-
-[[texture]]
-name = "clouds"
-type = "noise"
-second = [0.5, 0.6, 0.7]
-octaves = 3
-gain = 0.75
 
 [[material]]
 name = "floor"

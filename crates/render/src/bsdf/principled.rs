@@ -72,8 +72,8 @@ pub struct PrincipledParameters {
     pub coat_roughness: f32,
     /// Index of refraction of the coat, at least 1.
     pub coat_ior: f32,
-    /// The coat's own unit normal in the shading frame, on the front. What it mirrors must stay
-    /// above the surface: see `SurfaceInteraction::bent`.
+    /// The coat's own unit normal in the shading frame, on the front. What it mirrors below the
+    /// surface is lost, so it should lean towards `wo` where it would do that.
     pub coat_normal: Vec3,
     /// What the fibres reflect; none if black.
     pub sheen_color: Spectrum,

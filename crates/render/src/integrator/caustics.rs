@@ -20,7 +20,7 @@ use super::path::survival;
 use crate::camera::PreparedCamera;
 use crate::color::Spectrum;
 use crate::film::{FilterSampler, Splat, Splats};
-use crate::follow::transmittance;
+use crate::follow::{MOST_PASSES, transmittance};
 use crate::interaction::SurfaceInteraction;
 use crate::light::{EmitterSample, Glow, ShadingPoint};
 use crate::medium::Media;
@@ -68,9 +68,6 @@ struct LightPath<S> {
     media: Media,
     sampler: S,
 }
-
-/// After so many surfaces that it passes a path is given up.
-const PASSES: u32 = 10_000;
 
 /// What would come to the camera if nothing were in its way.
 struct Arrival {
@@ -313,7 +310,7 @@ impl<'a> Caustics<'a> {
             path.depth -= 1;
             path.passes += 1;
             path.ray = Ray::new(at.surface_origin(true), path.ray.direction);
-            return path.passes < PASSES;
+            return path.passes < MOST_PASSES;
         }
 
         // On in a single direction, or not at all.

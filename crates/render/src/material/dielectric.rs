@@ -5,7 +5,6 @@ use crate::color::{Rgb, Spectrum};
 use crate::dispersion::{largest_index, most_dispersion};
 use crate::problem::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem, UNIT};
 use rutilant_geom::real;
-use std::ops::RangeInclusive;
 
 /// A border. The interior is where the surface normals point away from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,14 +57,14 @@ pub enum Absorption {
 }
 
 /// The highest index of refraction accepted; diamond has 2.42, germanium 4.
-pub(super) const MAX_IOR: f32 = 10.0;
+pub const MAX_IOR: f32 = 10.0;
 
 /// The most that indices may differ by at a rough border. Beyond it light that is trapped inside
 /// gets out so rarely that no number of samples finds it; diamond has 2.42.
-pub(super) const MOST_ROUGH_RATIO: f32 = 2.5;
+pub const MOST_ROUGH_RATIO: f32 = 2.5;
 
-/// Abbe numbers of 1 and more.
-pub(super) const DISPERSION: RangeInclusive<f32> = 0.0..=20.0;
+/// The highest dispersion accepted: an Abbe number of 1.
+pub const MAX_DISPERSION: f32 = 20.0;
 
 /// Violet light must get out of rough glass again as well; `ratio` is that of its indices.
 pub(super) fn check_rough_dispersion(place: Place, ratio: f32) -> Result<(), SceneProblem> {
@@ -79,9 +78,9 @@ pub(super) fn check_rough_dispersion(place: Place, ratio: f32) -> Result<(), Sce
     Err(place.problem("dispersion", what))
 }
 
-/// The most that rough glass of this index may disperse, at most 20: see [`Dielectric`].
+/// The most that rough glass of this index may disperse, at most [`MAX_DISPERSION`]: see [`Dielectric`].
 pub fn most_rough_dispersion(ior: f32) -> f32 {
-    most_dispersion(ior, MOST_ROUGH_RATIO).min(*DISPERSION.end())
+    most_dispersion(ior, MOST_ROUGH_RATIO).min(MAX_DISPERSION)
 }
 
 impl Medium {
@@ -158,7 +157,7 @@ impl Dielectric {
                 ),
             ));
         }
-        place.check("dispersion", [self.dispersion], DISPERSION)?;
+        place.check("dispersion", [self.dispersion], 0.0..=MAX_DISPERSION)?;
         if self.roughness > 0.0 {
             check_rough_dispersion(place, largest_index(a, self.dispersion) / b)?;
         }

@@ -16,7 +16,10 @@ mod thin_dielectric;
 
 pub use conductor::Conductor;
 pub use custom::{CustomMaterial, SurfacePoint};
-pub use dielectric::{Absorption, Dielectric, Medium, most_rough_dispersion};
+pub use dielectric::{
+    Absorption, Dielectric, MAX_DISPERSION, MAX_IOR, MOST_ROUGH_RATIO, Medium,
+    most_rough_dispersion,
+};
 pub use emission::{Emission, EmittedLight};
 pub use matte::{HemisphereSampling, Matte};
 pub use metals::Metal;
@@ -24,7 +27,7 @@ pub use mirror::Mirror;
 pub use mix::Mix;
 pub use normal_map::{Bumps, NormalMap};
 pub use opacity::{Opacity, OpacityMode};
-pub use principled::{Principled, PrincipledTextures};
+pub use principled::{MAX_FILM_NM, Principled, PrincipledTextures};
 pub use sides::Sides;
 pub use thin_dielectric::ThinDielectric;
 

@@ -1,7 +1,7 @@
 //! Layers over a base: plastic, painted and brushed metal, varnished wood, cloth, coloured glass.
 
 use super::dielectric::{
-    Absorption, DISPERSION, MAX_IOR, MOST_ROUGH_RATIO, check_rough_dispersion,
+    Absorption, MAX_DISPERSION, MAX_IOR, MOST_ROUGH_RATIO, check_rough_dispersion,
 };
 use super::normal_map::NormalMap;
 use crate::bsdf::PrincipledParameters;
@@ -115,7 +115,7 @@ impl PrincipledTextures {
 
     /// Tells each, to be changed.
     pub(super) fn each_mut(&mut self, tell: impl FnMut(&mut TextureId)) {
-        let colors = [
+        let whole = [
             &mut self.base_color,
             &mut self.anisotropy_direction,
             &mut self.specular_color,
@@ -135,14 +135,14 @@ impl PrincipledTextures {
             &mut self.iridescence,
             &mut self.iridescence_thickness_nm,
         ];
-        let colors = colors.into_iter().filter_map(Option::as_mut);
+        let whole = whole.into_iter().filter_map(Option::as_mut);
         let scalars = scalars.into_iter().filter_map(Option::as_mut).map(|(id, _)| id);
-        colors.chain(scalars).for_each(tell);
+        whole.chain(scalars).for_each(tell);
     }
 }
 
-/// The thickest film: interference in thicker ones has no colour.
-const THICKEST_FILM: f32 = 1e5;
+/// The thickest film that is accepted, in nanometres: interference in thicker ones has no colour.
+pub const MAX_FILM_NM: f32 = 1e5;
 
 impl Default for Principled {
     /// Satin plastic, light grey: no layer but the base and its gloss.
@@ -265,7 +265,7 @@ impl Principled {
             sheen_color: tint(self.sheen_color, of.sheen_color),
             sheen_roughness: part(self.sheen_roughness, of.sheen_roughness),
             iridescence: part(self.iridescence, of.iridescence),
-            iridescence_thickness_nm: thickness.clamp(0.0, THICKEST_FILM),
+            iridescence_thickness_nm: thickness.clamp(0.0, MAX_FILM_NM),
             ..self.parameters()
         }
     }
@@ -313,9 +313,9 @@ impl Principled {
             ("iridescence_thickness_nm", self.iridescence_thickness_nm),
             ("iridescence_thickness_minimum_nm", self.iridescence_thickness_minimum_nm),
         ] {
-            place.check(key, [thickness], 0.0..=THICKEST_FILM)?;
+            place.check(key, [thickness], 0.0..=MAX_FILM_NM)?;
         }
-        place.check("dispersion", [self.dispersion], DISPERSION)?;
+        place.check("dispersion", [self.dispersion], 0.0..=MAX_DISPERSION)?;
         if let Some(map) = &self.coat_normal_map {
             map.validate(place, ["coat_normal_map", "coat_normal_scale"], textures)?;
         }

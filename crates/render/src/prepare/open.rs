@@ -12,12 +12,11 @@
 use super::material::PreparedMaterial;
 use super::prepared::Prepared;
 use super::texture::TexturePlace;
+use crate::follow::MOST_PASSES;
 use crate::material::{Opacity, OpacityMode};
+use crate::sampler::{GOLDEN, mix};
 use rutilant_geom::lanes::each_lane;
 use rutilant_geom::{Hit, HitPacket, Ray, RayPacket};
-
-/// After so many surfaces that are not there a ray is taken to be stopped.
-const PASSES: u32 = 10_000;
 
 impl Prepared {
     /// The surface that a ray meets first.
@@ -104,7 +103,7 @@ impl Prepared {
         is_there: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
         let mut ahead = *ray;
-        for _ in 0..PASSES {
+        for _ in 0..MOST_PASSES {
             let met = hit?;
             if is_there(&met) {
                 return hit;
@@ -119,7 +118,7 @@ impl Prepared {
     #[inline(never)]
     fn occluded_beyond(&self, ray: &Ray) -> bool {
         let mut ahead = *ray;
-        for _ in 0..PASSES {
+        for _ in 0..MOST_PASSES {
             let Some(hit) = self.surfaces.closest(&ahead) else { return false };
             if !self.material_at(&hit).passes && self.is_there(ray, &hit) {
                 return true;
@@ -170,16 +169,10 @@ fn comes_from_behind(ray: &Ray, hit: &Hit) -> bool {
 }
 
 /// A number in [0, 1) for a ray at a surface, as good as drawn at random.
-///
-/// Source: the finalizer of Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators",
-/// OOPSLA 2014, after each word.
 fn chance(ray: &Ray, hit: &Hit) -> f32 {
     let words = ray.direction.to_array().into_iter().chain(hit.position.to_array());
-    let hash = words.chain([hit.t]).fold(0_u64, |hash, word| {
-        let z = (hash ^ u64::from(word.to_bits())).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    });
+    let hash = words
+        .chain([hit.t])
+        .fold(0_u64, |hash, word| mix((hash ^ u64::from(word.to_bits())).wrapping_add(GOLDEN)));
     (hash >> 40) as f32 / (1 << 24) as f32
 }

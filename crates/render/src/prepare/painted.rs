@@ -1,6 +1,6 @@
 //! Surfaces whose normals, or light, a picture tells.
 
-use super::prepared::{Prepared, PreparedObject, Vertex};
+use super::prepared::{Prepared, PreparedObject, Vertex, interpolated};
 use super::texture::TexturePlace;
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
@@ -22,13 +22,8 @@ impl Prepared {
         if material.normal_map.is_none() && object.first_normal.is_none() {
             return flat;
         }
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let corners = std::array::from_fn(|i| {
-            let Vertex { number, position } = vertices[i];
-            let own = object.first_normal.map(|first| self.normal_at(hit, first + number));
-            (position, own.unwrap_or(hit.normal), weights[i])
-        });
-        let normal = corners.iter().fold(Vec3::ZERO, |sum, (_, n, w)| sum + *n * *w);
+        let corners = self.corners(hit, object, &vertices);
+        let normal = interpolated(&corners);
         match material.normal_map {
             None => flat.smoothed(normal, corners),
             Some(map) => flat.smoothed(self.bumped(hit, object, &vertices, normal, map), corners),
@@ -65,11 +60,10 @@ impl Prepared {
     ) -> Vec3 {
         let object = self.object(hit);
         let Some(vertices) = self.vertices(hit, object) else { return at.bent(hit.normal) };
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let normal = object.first_normal.map_or(hit.normal, |first| {
-            let each = [0, 1, 2].map(|i| self.normal_at(hit, first + vertices[i].number));
-            (0..3).fold(Vec3::ZERO, |sum, i| sum + each[i] * weights[i])
-        });
+        let normal = match object.first_normal {
+            None => hit.normal,
+            Some(_) => interpolated(&self.corners(hit, object, &vertices)),
+        };
         at.bent(match map {
             None => normal,
             Some(map) => self.bumped(hit, object, &vertices, normal, map),
@@ -168,7 +162,7 @@ impl Prepared {
         normal: Vec3,
         set: u32,
     ) -> Option<(Vec3, Vec3)> {
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let weights = hit.weights();
         let (along, hand) = match object.first_tangent {
             Some(first) => {
                 let all = [0, 1, 2].map(|i| self.tangent_at(hit, first + vertices[i].number));

@@ -172,6 +172,12 @@ pub(crate) struct SurfaceOf<'p> {
     pub(crate) smoothed: bool,
 }
 
+/// The normal between the corners of a triangle, of any length.
+#[inline]
+pub(super) fn interpolated(corners: &[(Vec3, Vec3, f32); 3]) -> Vec3 {
+    corners.iter().fold(Vec3::ZERO, |sum, (_, normal, weight)| sum + *normal * *weight)
+}
+
 impl Prepared {
     /// What came of the scene.
     pub fn report(&self) -> &PrepareReport {
@@ -269,15 +275,29 @@ impl Prepared {
             let own_coat = self.materials[object.material as usize].own_coat;
             return if own_coat { at.seen_by_the_camera_alone() } else { at };
         }
-        let Some(first_normal) = object.first_normal else { return flat };
         let Some(vertices) = self.vertices(hit, object) else { return flat };
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let corners = std::array::from_fn(|i| {
+        if object.first_normal.is_none() {
+            return flat;
+        }
+        let corners = self.corners(hit, object, &vertices);
+        flat.smoothed(interpolated(&corners), corners)
+    }
+
+    /// The corners of the triangle that was hit: where each is, its normal, which is the triangle's
+    /// where vertices have none, and its barycentric weight.
+    #[inline]
+    pub(super) fn corners(
+        &self,
+        hit: &Hit,
+        object: &PreparedObject,
+        vertices: &[Vertex; 3],
+    ) -> [(Vec3, Vec3, f32); 3] {
+        let weights = hit.weights();
+        std::array::from_fn(|i| {
             let Vertex { number, position } = vertices[i];
-            (position, self.normal_at(hit, first_normal + number), weights[i])
-        });
-        let normal = corners.iter().fold(Vec3::ZERO, |sum, (_, n, w)| sum + *n * *w);
-        flat.smoothed(normal, corners)
+            let own = object.first_normal.map(|first| self.normal_at(hit, first + number));
+            (position, own.unwrap_or(hit.normal), weights[i])
+        })
     }
 
     /// How much the shading normal at `hit` changes over a `step` along the surface, times the
@@ -327,7 +347,8 @@ impl Prepared {
             return if on_a_disk { 0.5 + 0.5 * own } else { own };
         };
         let [a, b, c] = self.uvs_of(object, &vertices, 0);
-        a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v
+        let [r, s, t] = hit.weights();
+        a * r + b * s + c * t
     }
 
     /// The same scene as a film of this size sees it.

@@ -349,7 +349,8 @@ impl<'p> TexturePlace<'p> {
             return (scene.uv(hit) + *moved, width * per_metre);
         };
         let [a, b, c] = scene.uvs_of(object, &vertices, set);
-        let uv = a * (1.0 - hit.u - hit.v) + b * hit.u + c * hit.v + *moved;
+        let [r, s, t] = hit.weights();
+        let uv = a * r + b * s + c * t + *moved;
         let [p, q, r] = vertices.map(|vertex| vertex.position);
         let areas = ((b - a).perp_dot(c - a).abs(), (q - p).cross(r - p).length());
         (uv, width * (areas.0 / areas.1).sqrt())
@@ -363,8 +364,8 @@ impl<'p> TexturePlace<'p> {
             return [1.0; 4];
         };
         let [a, b, c] = vertices.map(|vertex| scene.colors[(first + vertex.number) as usize]);
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        std::array::from_fn(|i| a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2])
+        let [r, s, t] = hit.weights();
+        std::array::from_fn(|i| a[i] * r + b[i] * s + c[i] * t)
     }
 }
 

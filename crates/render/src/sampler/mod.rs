@@ -10,6 +10,7 @@ mod numbers;
 mod sobol;
 
 pub use independent::Independent;
+pub(crate) use numbers::{GOLDEN, mix};
 pub use numbers::{Sampler, Sequence};
 pub use sobol::Sobol;
 

@@ -8,6 +8,7 @@
 use super::mapping::UvMapping;
 use crate::color::Rgb;
 use crate::problem::{LIGHT, Place, SceneProblem, UNIT};
+use crate::sampler::{GOLDEN, mix};
 use rutilant_geom::Vec2;
 
 /// A random pattern between two colours, smooth, without a direction and without an end. The largest
@@ -58,9 +59,10 @@ fn gradient_noise(at: Vec2, octave: u32) -> f32 {
     let within = at - cell;
     let corner = |x: u32, y: u32| {
         let number = |c: f32, step: u32| (c as i32).cast_unsigned().wrapping_add(step);
-        let bits = mixed(number(cell.x, x), number(cell.y, y), octave);
+        let place = u64::from(number(cell.x, x)) << 32 | u64::from(number(cell.y, y));
+        let bits = mix(place ^ u64::from(octave).wrapping_mul(GOLDEN));
         let offset = within - Vec2::new(x as f32, y as f32);
-        GRADIENTS[(bits >> 29) as usize].dot(offset)
+        GRADIENTS[(bits >> 61) as usize].dot(offset)
     };
     // No jump of the second derivative at the edges of a cell.
     let weight = within * within * within * (within * (within * 6.0 - 15.0) + 10.0);
@@ -85,21 +87,6 @@ const GRADIENTS: [Vec2; 8] = {
         Vec2::new(H, -H),
     ]
 };
-
-/// Bits that look random, of which the highest are the best.
-fn mixed(x: u32, y: u32, octave: u32) -> u32 {
-    // Odd numbers from the digits of the golden ratio and of √2, √3: cells that are neighbours
-    // differ in many bits. Then two rounds of folding down and spreading up.
-    let mut bits = x
-        .wrapping_mul(0x9e37_79b9)
-        .wrapping_add(y.wrapping_mul(0x6a09_e667))
-        .wrapping_add(octave.wrapping_mul(0xbb67_ae85));
-    for _ in 0..2 {
-        bits = (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d);
-        bits ^= bits >> 13;
-    }
-    bits.wrapping_mul(0x9e37_79b9)
-}
 
 #[cfg(test)]
 mod tests {

@@ -8,8 +8,8 @@ use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Metal, Mirror,
-    Principled, Sides, ThinDielectric, most_rough_dispersion,
+    Absorption, Dielectric, Emission, EmittedLight, MAX_DISPERSION, Material, MaterialKind, Matte,
+    Metal, Mirror, Principled, Sides, ThinDielectric, most_rough_dispersion,
 };
 use rutilant::settings::{Heuristic, IntegratorKind, Roulette, SamplerKind};
 use rutilant_formats::Look;
@@ -254,7 +254,8 @@ fn dielectric(ui: &mut Ui, m: &mut Dielectric) {
     if may_be_rough {
         number(ui, "Roughness", &mut m.roughness, 0.0..=1.0, false);
     }
-    let most = if m.roughness > 0.0 { most_rough_dispersion(m.interior.ior) } else { 20.0 };
+    let most =
+        if m.roughness > 0.0 { most_rough_dispersion(m.interior.ior) } else { MAX_DISPERSION };
     number(ui, "Dispersion", &mut m.dispersion, 0.0..=most, false);
     absorption(ui, &mut m.interior.absorption);
 }
@@ -291,7 +292,7 @@ fn principled(ui: &mut Ui, m: &mut Principled) {
         color(ui, "Colour of that", &mut m.diffuse_transmission_color);
     }
     if m.has_inside() {
-        let most = if is_smooth { 20.0 } else { most_rough_dispersion(m.ior) };
+        let most = if is_smooth { MAX_DISPERSION } else { most_rough_dispersion(m.ior) };
         number(ui, "Dispersion", &mut m.dispersion, 0.0..=most, false);
         absorption(ui, &mut m.absorption);
     }

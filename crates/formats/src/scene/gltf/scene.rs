@@ -18,15 +18,17 @@ use crate::error::{SceneError, Source};
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
 use crate::scene::files::Files;
-use crate::scene::loaded::{LoadedScene, camera_for_all, camera_named};
+use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
+use crate::scene::loaded::{LoadedScene, camera_named};
 use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
 use crate::shown::shown;
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Bumps, Emission, EmittedLight, Material, MaterialKind, NormalMap, Opacity,
-    OpacityMode, Principled, PrincipledTextures, Sides, most_rough_dispersion,
+    Absorption, Bumps, Emission, EmittedLight, MAX_DISPERSION, MAX_FILM_NM, MAX_IOR,
+    MOST_ROUGH_RATIO, Material, MaterialKind, NormalMap, Opacity, OpacityMode, Principled,
+    PrincipledTextures, Sides, most_rough_dispersion,
 };
 use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
@@ -312,7 +314,7 @@ impl<'d> Maker<'d> {
             ..PrincipledTextures::default()
         };
         // An index of 0 stands for one that reflects everything but for the specular colour.
-        let ior = if written.ior == 0.0 { MOST_IOR } else { written.ior.clamp(1.0, MOST_IOR) };
+        let ior = if written.ior == 0.0 { MAX_IOR } else { written.ior.clamp(1.0, MAX_IOR) };
         if written.specular.color.iter().any(|c| *c > 1.0) {
             self.leave_out(written, "what its specularColorFactor has above 1");
         }
@@ -362,10 +364,10 @@ impl<'d> Maker<'d> {
                 self.scalar(sheen.roughness_texture.as_ref(), Channel::Alpha);
         }
         if let Some(film) = &written.iridescence {
-            (made.iridescence, made.iridescence_ior) = (film.factor, film.ior.clamp(1.0, MOST_IOR));
-            made.iridescence_thickness_nm = film.thickness_maximum_nm.clamp(0.0, THICKEST_NM);
+            (made.iridescence, made.iridescence_ior) = (film.factor, film.ior.clamp(1.0, MAX_IOR));
+            made.iridescence_thickness_nm = film.thickness_maximum_nm.clamp(0.0, MAX_FILM_NM);
             made.iridescence_thickness_minimum_nm =
-                film.thickness_minimum_nm.clamp(0.0, THICKEST_NM);
+                film.thickness_minimum_nm.clamp(0.0, MAX_FILM_NM);
             made.textures.iridescence = self.scalar(film.texture.as_ref(), Channel::Red);
             made.textures.iridescence_thickness_nm =
                 self.scalar(film.thickness_texture.as_ref(), Channel::Green);
@@ -386,10 +388,10 @@ impl<'d> Maker<'d> {
                 texture.map(|texture| self.texture(texture, Encoding::Linear));
         }
         if made.has_inside() {
-            made.ior = made.ior.min(MOST_ROUGH_IOR);
+            made.ior = made.ior.min(MOST_ROUGH_RATIO);
             // Violet light, which is bent most, must get out of rough glass as well.
             let rough = made.roughness > 0.0 || made.anisotropy > 0.0;
-            let most = if rough { most_rough_dispersion(made.ior) } else { MOST_DISPERSION };
+            let most = if rough { most_rough_dispersion(made.ior) } else { MAX_DISPERSION };
             made.dispersion = written.dispersion.min(most);
         }
         made
@@ -487,7 +489,11 @@ impl<'d> Maker<'d> {
         let auto = *options.camera == CameraChoice::Auto;
         if cameras.is_empty() || auto {
             camera = cameras.len();
-            cameras.push(camera_for_all(&self.scene, size, self.path)?.authored);
+            let chosen = frame_all(&self.scene, size).map_err(|why| match why {
+                Unseen::Nothing => invalid("there is nothing to see in it"),
+                Unseen::TooLarge => invalid(TOO_LARGE),
+            });
+            cameras.push(chosen?.authored);
             if !auto {
                 self.notes.push(format!(
                     "{}: there is no camera in it: one was chosen that sees everything",
@@ -536,16 +542,8 @@ impl<'d> Maker<'d> {
     }
 }
 
-/// The largest index of refraction that a material takes.
-const MOST_IOR: f32 = 10.0;
-/// That of rough glass.
-const MOST_ROUGH_IOR: f32 = 2.5;
-/// The most that a material disperses: an Abbe number of 1.
-const MOST_DISPERSION: f32 = 20.0;
 /// What is left of light at least, for there to be a coefficient.
 const LEAST_LEFT: f32 = 1e-4;
-/// The thickest film that a material takes.
-const THICKEST_NM: f32 = 1e5;
 
 /// The set of coordinates whose tangents a material needs, if it needs some: those that its normals
 /// are told in, which are those of its scratches as well.

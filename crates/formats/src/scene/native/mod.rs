@@ -25,8 +25,7 @@ mod shape;
 mod table;
 mod texture;
 
-use super::bare::TOO_LARGE;
-use super::framing::{bounds_of_all, frame_all};
+use super::framing::{TOO_LARGE, Unseen, frame_all};
 use super::loaded::LoadedScene;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
@@ -132,11 +131,10 @@ fn parse_here(
     if cameras.is_empty() || auto {
         let size = options.size.unwrap_or(settings.size);
         let missing = if auto { "no camera can be chosen: " } else { "there is no [camera], and " };
-        let chosen = frame_all(&draft.scene, size).ok_or_else(|| {
-            root.invalid(if bounds_of_all(&draft.scene).is_empty() {
-                format!("{missing}no shape that one could be turned to")
-            } else {
-                format!("{missing}what is there cannot have one: {TOO_LARGE}")
+        let chosen = frame_all(&draft.scene, size).map_err(|why| {
+            root.invalid(match why {
+                Unseen::Nothing => format!("{missing}no shape that one could be turned to"),
+                Unseen::TooLarge => format!("{missing}what is there cannot have one: {TOO_LARGE}"),
             })
         })?;
         draft.scene.camera = chosen.camera;

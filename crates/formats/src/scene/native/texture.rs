@@ -34,10 +34,10 @@ const TYPES: &[(&str, Type)] = &[
 /// The usual colours of patterns.
 const DARK: Rgb = Rgb::grey(0.2);
 const LIGHT: Rgb = Rgb::grey(0.8);
-/// Those of bricks.
+/// The usual width of joints between bricks, and how far rows are usually moved.
 const JOINT: f32 = 0.05;
 const SHIFT: f32 = 0.5;
-/// Those of noise.
+/// The usual scales of noise, and how strong each is against the one before.
 const OCTAVES: u32 = 6;
 const GAIN: f32 = 0.5;
 
