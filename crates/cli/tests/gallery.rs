@@ -74,7 +74,9 @@ fn stage(entry: &Entry) -> Option<(tempfile::TempDir, PathBuf)> {
     let stage = tempfile::tempdir().expect("a folder");
     let file_keys = text.lines().filter_map(|line| {
         let (key, rest) = line.split_once('=')?;
-        matches!(key.trim(), "file" | "image").then(|| rest.split('"').nth(1)).flatten()
+        matches!(key.trim(), "file" | "image" | "instances")
+            .then(|| rest.split('"').nth(1))
+            .flatten()
     });
     for file in file_keys {
         let (shipped, to) = (folder.join(file), stage.path().join(file));

@@ -184,6 +184,11 @@ impl Desk {
         let window = self.window_mut();
         (window.view, window.paused, window.endless) = (View::default(), false, false);
         (window.dialog, window.help) = (None, false);
+        self.quiet();
+    }
+
+    /// Waits until all that follows a written file is done: a file may be seen to change twice.
+    fn quiet(&mut self) {
         for _ in 0..60 {
             std::thread::sleep(Duration::from_millis(10));
             self.harness.step();
@@ -521,7 +526,7 @@ fn what_is_dropped_is_shown() {
         let opened = w.document.as_ref().and_then(|d| d.text.as_ref());
         opened.is_some_and(|text| text.contains("0.1")) && w.added_sky().is_some()
     });
-    desk.settle();
+    desk.quiet();
     assert_eq!(desk.look().environment.unwrap().rotation, 0.5);
     let hash = desk.hash();
 
@@ -995,8 +1000,18 @@ fn a_plan_shows_everything() {
 
 /// Random edits, moves, resizes, good and broken files, in any order: nothing panics, and what is
 /// shown in the end is what a fresh rendering gives. `RUTILANT_ROUNDS` sets how many.
+///
+/// It has a process of its own, for what memory a process takes is not told by tests.
 #[test]
 fn anything_may_happen_in_any_order() {
+    const ALONE: &str = "RUTILANT_TEST_ALONE";
+    if std::env::var_os(ALONE).is_none() {
+        let name = "window::tests::anything_may_happen_in_any_order";
+        let mut own = std::process::Command::new(std::env::current_exe().unwrap());
+        let ran = own.args([name, "--exact", "--nocapture"]).env(ALONE, "1").status().unwrap();
+        assert!(ran.success());
+        return;
+    }
     let rounds = std::env::var("RUTILANT_ROUNDS").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
     let mut desk = Desk::new();
     let mut state = 7_u64;
