@@ -397,7 +397,8 @@ fn densities_integrate_to_their_chance() {
 }
 
 /// At every edge of their domain samples are finite or absent: the ends of [0, 1), directions in
-/// the surface. The old program drew a cosine of 0 and divided by it.
+/// the surface, and along the normal a cosine that was rounded up from 1. The old program drew a
+/// cosine of 0 and divided by it.
 #[test]
 fn edges_give_numbers_or_nothing() {
     let below_one = 1.0 - 0.5 * f32::EPSILON;
@@ -405,8 +406,14 @@ fn edges_give_numbers_or_nothing() {
     let mut wos =
         vec![Vec3::X, Vec3::Z, Vec3::NEG_Z, Vec3::new(1.0, 0.0, 1e-30), Vec3::new(1.0, 0.0, -1e-7)];
     wos.push(Vec3::new(0.8, -0.6, f32::MIN_POSITIVE));
+    let rounded_up = Vec3::new(5e-5, -3e-5, 1.0 + f32::EPSILON);
+    wos.extend([rounded_up, -rounded_up]);
     for entry in all().into_iter().chain(rough_ones().into_iter().map(|r| r.entry)) {
         for &wo in &wos {
+            for wi in [rounded_up, -rounded_up] {
+                let (value, pdf) = entry.bsdf.eval_cos_pdf(wo, wi);
+                assert!(value.is_finite() && pdf.is_finite(), "{} {wo} {wi}", entry.name);
+            }
             for choice in us {
                 for x in us {
                     for y in us {

@@ -153,8 +153,10 @@ impl Loss {
         loss
     }
 
-    /// The part lost, 0 to 1, of light that leaves or arrives under the cosine `mu`.
+    /// The part lost, 0 to 1, of light that leaves or arrives under the cosine `mu`, which rounding
+    /// may leave a little above 1.
     pub(super) fn at(&self, mu: f32) -> f32 {
+        let mu = mu.min(1.0);
         let (shape, layers) = match self.table {
             Table::Conductor => (&CONDUCTOR, 1),
             Table::Dielectric => (&OUTSIDE, 2),

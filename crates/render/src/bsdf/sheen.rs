@@ -66,6 +66,10 @@ impl Sheen {
         let (a, b, c) = (mix(25.3245, 21.5473), mix(3.324_35, 3.829_87), mix(0.168_01, 0.198_23));
         let (d, e) = (mix(-1.273_93, -1.977_60), mix(-4.859_67, -4.320_54));
         let curve = |x: f32| a / (1.0 + b * real::pow(x, c)) + d * x + e;
-        real::exp(if cos < 0.5 { curve(cos) } else { 2.0 * curve(0.5) - curve(1.0 - cos) })
+        real::exp(if cos < 0.5 {
+            curve(cos)
+        } else {
+            2.0 * curve(0.5) - curve((1.0 - cos).max(0.0))
+        })
     }
 }
