@@ -6,13 +6,14 @@
 //!
 //! Everything is computed in double precision and apart from the renderer's own code: facets are
 //! taken as often as they are seen (Dupuy and Benyoub 2023), and what each sends on is what
-//! Smith's masking leaves of it. The same bytes come out on every machine.
+//! Smith's masking leaves of it. Between entries never more is told than is lost, or else more would
+//! be given back. The same bytes come out on every machine.
 
 mod tables;
 
 use std::f64::consts::PI;
 use std::process::ExitCode;
-use tables::{part, write};
+use tables::{bounding, write};
 
 /// Facets for an entry: so many turns times so many heights.
 const FACETS: usize = 128;
@@ -38,25 +39,19 @@ fn main() -> ExitCode {
         bytes.extend(fraction.to_le_bytes());
     };
     let [angles, roughnesses] = CONDUCTOR;
-    for r in 0..roughnesses {
-        for a in 0..angles {
-            put(entry(part(r, roughnesses), part(a, angles), 1.0, |_| (1.0, None)));
-        }
-    }
+    let metal = |[roughness, step]: [f64; 2]| entry(roughness, step, 1.0, |_| (1.0, None));
+    bounding([roughnesses, angles], -1.0, metal).into_iter().for_each(&mut put);
     let [angles, roughnesses, indices] = DIELECTRIC;
     for inside in [false, true] {
-        for n in 0..indices {
+        let glass = |[index, roughness, step]: [f64; 3]| {
             let [least, most] = INDICES.map(|index| libm::log(index - 1.0));
-            let index = 1.0 + libm::exp(least + (most - least) * part(n, indices));
+            let index = 1.0 + libm::exp(least + (most - least) * index);
             let eta = if inside { 1.0 / index } else { index };
             let critical = if inside { (1.0 - eta * eta).sqrt() } else { 1.0 };
-            for r in 0..roughnesses {
-                for a in 0..angles {
-                    let (roughness, step) = (part(r, roughnesses), part(a, angles));
-                    put(entry(roughness, step, critical, |cos| glass(cos, eta)));
-                }
-            }
-        }
+            entry(roughness, step, critical, |cos| glass(cos, eta))
+        };
+        let lost = bounding([indices, roughnesses, angles], -1.0, glass);
+        lost.into_iter().for_each(&mut put);
     }
     write(&path, &bytes)
 }

@@ -7,22 +7,27 @@
 //!
 //! Everything is computed in double precision and apart from the renderer's own code: facets are
 //! taken as often as they are seen (Dupuy and Benyoub 2023), and what each sends on is what
-//! Smith's masking leaves of it. The same bytes come out on every machine.
+//! Smith's masking leaves of it. Between entries never less is told than is reflected, and never
+//! more than is lost, or else light would be made. The same bytes come out on every machine.
 
 mod tables;
 
 use std::f64::consts::PI;
 use std::process::ExitCode;
-use tables::{part, write};
+use tables::{bounding, grid, part, write};
 
 /// In the order of the file: indices, roughnesses and angles of what Fresnel's equations add to
 /// the reflection at normal incidence; then the means over angles.
 const GLOSS: [usize; 3] = [16, 24, 41];
-/// Roughnesses, anisotropies, directions around the normal and angles of what is lost by metal
-/// that is rougher one way than the other; then the means over angles.
-const STRETCHED: [usize; 4] = [12, 11, 6, 28];
 /// Roughnesses and angles of sheen.
 const SHEEN: [usize; 2] = [16, 32];
+/// Roughnesses and angles of the cosines under which facets are seen; then the means over angles.
+const SEEN: [usize; 2] = [24, 32];
+const SEEN_COSINES: usize = 17;
+/// Roughnesses, anisotropies, directions around the normal and angles of the same for facets that
+/// are steeper one way than the other, and of what they lose; then the means over directions.
+const STRETCHED: [usize; 4] = [10, 9, 6, 20];
+const STRETCHED_COSINES: usize = 9;
 
 /// The least index of refraction, and the largest.
 const INDICES: [f64; 2] = [1.04, 10.0];
@@ -43,56 +48,24 @@ fn main() -> ExitCode {
 
     // The mean of what Fresnel's equations add, over what single scattering sends on.
     let [indices, roughnesses, angles] = GLOSS;
-    let mut means = Vec::new();
+    let rise = bounding(GLOSS, 1.0, |[index, roughness, angle]| {
+        let (rise, alpha) = (Rise::new(index_at(index)), alpha(roughness));
+        // Denser towards grazing.
+        let wo = [(angle * angle).max(1e-5), 0.0];
+        let [sent_on, all] = sent_on([alpha; 2], wo, 64, |cos| [rise.at(cos), 1.0]);
+        sent_on / all
+    });
+    rise.iter().copied().for_each(&mut put);
     for n in 0..indices {
-        let rise = Rise::new(index(n, indices));
         for r in 0..roughnesses {
             let alpha = alpha(part(r, roughnesses));
-            for a in 0..angles {
-                // Denser towards grazing.
-                let mu = (part(a, angles) * part(a, angles)).max(1e-5);
-                let all = sent_on([alpha; 2], [mu, 0.0], 64, |_| 1.0);
-                put(sent_on([alpha; 2], [mu, 0.0], 64, |cos| rise.at(cos)) / all);
-            }
-            means.push(mean(|mu| sent_on([alpha; 2], [mu, 0.0], 48, |cos| rise.at(cos))));
+            let row = &rise[(n * roughnesses + r) * angles..][..angles];
+            put(mean(|mu| {
+                let [all] = sent_on([alpha; 2], [mu, 0.0], 48, |_| [1.0]);
+                all * between(mu.sqrt(), angles, |a| row[a])
+            }));
         }
     }
-    means.into_iter().for_each(&mut put);
-
-    // What is lost by facets that are steeper one way than the other.
-    let [roughnesses, anisotropies, turns, angles] = STRETCHED;
-    let mut means = Vec::new();
-    for r in 0..roughnesses {
-        for s in 0..anisotropies {
-            let across = alpha(part(r, roughnesses));
-            let strength = part(s, anisotropies);
-            let along = across + (1.0 - across) * strength * strength;
-            // Steps are even in the steepness that is seen.
-            let turn = |t: f64| {
-                let seen = across + (along - across) * t;
-                let cos2 = (seen * seen - across * across) / (along * along - across * across);
-                if along > across { libm::acos(cos2.clamp(0.0, 1.0).sqrt()) } else { 0.0 }
-            };
-            for t in 0..turns {
-                let seen = across + (along - across) * part(t, turns);
-                let half_way = seen / (1.0 + 2.0 * seen * seen);
-                for a in 0..angles {
-                    let ratio = part(a, angles) / (1.0 + half_way);
-                    let mu = (half_way * ratio / (1.0 - ratio)).clamp(1e-7 * seen, 1.0);
-                    let around = turn(part(t, turns));
-                    put(1.0 - sent_on([along, across], [mu, around], 96, |_| 1.0));
-                }
-            }
-            let steps = 12;
-            let over_turns = (0..steps).map(|i| {
-                let around = 0.5 * PI * (f64::from(i) + 0.5) / f64::from(steps);
-                mean(|mu| 1.0 - sent_on([along, across], [mu, around], 48, |_| 1.0))
-            });
-            let mean = over_turns.sum::<f64>() / f64::from(steps);
-            means.push(mean / usual((0.5 * (along * along + across * across)).sqrt()));
-        }
-    }
-    means.into_iter().for_each(&mut put);
 
     // What sheen sends back.
     let [roughnesses, angles] = SHEEN;
@@ -103,6 +76,74 @@ fn main() -> ExitCode {
             put(sheen(roughness * roughness, (step * step).max(1e-4)));
         }
     }
+
+    // How often facets are seen under which cosines, of what they send on, and how much more is to
+    // be taken as seen at grazing, for what the numbers between entries leave out.
+    let seen = |[roughness, angle]: [f64; 2]| {
+        let (alpha, mu) = (alpha(roughness), (angle * angle).max(1e-5));
+        seen_cosines::<{ SEEN_COSINES }>([alpha; 2], [mu, 0.0], 64)
+    };
+    let (entries, more) = seen_table(SEEN, seen);
+    entries.iter().flatten().chain(&more).copied().for_each(&mut put);
+    let [roughnesses, angles] = SEEN;
+    for r in 0..roughnesses {
+        let alpha = alpha(part(r, roughnesses));
+        let start = r * angles;
+        let over_angles = |of: &dyn Fn(usize) -> f64| {
+            mean(|mu| {
+                let [all] = sent_on([alpha; 2], [mu, 0.0], 48, |_| [1.0]);
+                all * between(mu.sqrt(), angles, |a| of(start + a))
+            })
+        };
+        for k in 0..SEEN_COSINES {
+            put(over_angles(&|i| entries[i][k]));
+        }
+        put(over_angles(&|i| more[i]));
+    }
+
+    // The same for facets that are steeper one way than the other, and what they lose.
+    let stretched = |[roughness, strength, turn, angle]: [f64; 4]| {
+        let across = alpha(roughness);
+        let along = across + (1.0 - across) * strength * strength;
+        ([along, across], [(angle * angle * angle).max(1e-6), libm::acos(turn)])
+    };
+    let (entries, more) = seen_table(STRETCHED, |at| {
+        let (alphas, wo) = stretched(at);
+        seen_cosines::<{ STRETCHED_COSINES }>(alphas, wo, 64)
+    });
+    let lost = bounding(STRETCHED, -1.0, |at| {
+        let (alphas, wo) = stretched(at);
+        let [all] = sent_on(alphas, wo, 96, |_| [1.0]);
+        1.0 - all
+    });
+    let lost: Vec<f64> = lost.into_iter().map(|lost| lost.max(0.0)).collect();
+    entries.iter().flatten().chain(&more).copied().for_each(&mut put);
+    // Small numbers count as well.
+    lost.iter().for_each(|lost| put(lost.sqrt()));
+    let [roughnesses, anisotropies, turns, angles] = STRETCHED;
+    let mut means = Vec::new();
+    for row in 0..roughnesses * anisotropies {
+        let start = row * turns * angles;
+        let over_directions = |of: &dyn Fn(usize) -> f64| {
+            let steps = 24;
+            let means = (0..steps).map(|i| {
+                let turn = libm::cos(0.5 * PI * (f64::from(i) + 0.5) / f64::from(steps));
+                mean(|mu| {
+                    between(turn, turns, |t| {
+                        let row = start + t * angles;
+                        between(libm::cbrt(mu), angles, |a| of(row + a))
+                    })
+                })
+            });
+            means.sum::<f64>() / f64::from(steps)
+        };
+        for k in 0..STRETCHED_COSINES {
+            put(over_directions(&|i| (1.0 - lost[i]) * entries[i][k]));
+        }
+        put(over_directions(&|i| (1.0 - lost[i]) * more[i]));
+        means.push(over_directions(&|i| lost[i]));
+    }
+    means.into_iter().for_each(|lost| put(lost.sqrt()));
     write(&path, &bytes)
 }
 
@@ -111,15 +152,57 @@ fn alpha(roughness: f64) -> f64 {
     roughness.max(0.01) * roughness.max(0.01)
 }
 
-/// About what facets lose in the mean. Means are stored in parts of it: they change little.
-fn usual(alpha: f64) -> f64 {
-    alpha * alpha * (1.0 - 2.0 * libm::log(alpha))
+/// Indices are stepped evenly in the logarithm of index - 1.
+fn index_at(part: f64) -> f64 {
+    let [least, most] = INDICES.map(|index| libm::log(index - 1.0));
+    1.0 + libm::exp(least + (most - least) * part)
 }
 
-/// Indices are stepped evenly in the logarithm of index - 1.
-fn index(i: usize, n: usize) -> f64 {
-    let [least, most] = INDICES.map(|index| libm::log(index - 1.0));
-    1.0 + libm::exp(least + (most - least) * part(i, n))
+/// What lies between two of `n` even steps, at a part of the way over all of them.
+fn between(part: f64, n: usize, of: impl Fn(usize) -> f64) -> f64 {
+    let place = part.clamp(0.0, 1.0) * (n - 1) as f64;
+    let first = (place as usize).min(n - 2);
+    let (a, b) = (of(first), of(first + 1));
+    a + (b - a) * (place - first as f64)
+}
+
+/// The cosines at which a reflection will be told, `K` of them, denser towards grazing.
+fn cosine<const K: usize>(k: usize) -> f64 {
+    part(k, K) * part(k, K)
+}
+
+/// How often facets are seen under `K` cosines, of all that they send on: what lies between two
+/// cosines counts for both of them, the more the nearer it is.
+fn seen_cosines<const K: usize>(alphas: [f64; 2], wo: [f64; 2], facets: usize) -> [f64; K] {
+    let (mut parts, mut all) = ([0.0; K], 0.0);
+    each_sent_on(alphas, wo, facets, |cos, sent_on| {
+        let first = ((cos.sqrt() * (K - 1) as f64) as usize).min(K - 2);
+        let along = (cos - cosine::<K>(first)) / (cosine::<K>(first + 1) - cosine::<K>(first));
+        parts[first] += sent_on * (1.0 - along);
+        parts[first + 1] += sent_on * along;
+        all += sent_on;
+    });
+    parts.map(|part| part / all)
+}
+
+/// A table of [`seen_cosines`], and how much less straight lines between its entries may tell of
+/// what rises towards grazing than there is.
+fn seen_table<const N: usize, const K: usize>(
+    sizes: [usize; N],
+    seen: impl Fn([f64; N]) -> [f64; K],
+) -> (Vec<[f64; K]>, Vec<f64>) {
+    let told = |parts: [f64; K]| -> f64 {
+        parts.iter().enumerate().map(|(k, part)| part * schlick(cosine::<K>(k))).sum()
+    };
+    let entries = grid(sizes, &seen);
+    let enough = bounding(sizes, 1.0, |at| told(seen(at)));
+    let more = entries.iter().zip(enough).map(|(&parts, enough)| enough - told(parts)).collect();
+    (entries, more)
+}
+
+fn schlick(cos: f64) -> f64 {
+    let m = 1.0 - cos;
+    (m * m) * (m * m) * m
 }
 
 /// The mean over the cosine-weighted hemisphere, in steps that are denser towards grazing.
@@ -134,13 +217,30 @@ fn mean(of: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// What facets send on of the light that leaves at a cosine and an angle around the normal, each
-/// weighed by what it reflects at its own cosine; so many facets times so many.
-fn sent_on(
+/// weighed by numbers that its own cosine has; so many facets times so many.
+fn sent_on<const K: usize>(
+    alphas: [f64; 2],
+    wo: [f64; 2],
+    facets: usize,
+    weights: impl Fn(f64) -> [f64; K],
+) -> [f64; K] {
+    let mut sums = [0.0; K];
+    each_sent_on(alphas, wo, facets, |cos, sent_on| {
+        for (sum, weight) in sums.iter_mut().zip(weights(cos)) {
+            *sum += sent_on * weight;
+        }
+    });
+    sums
+}
+
+/// Tells for each of some facets its cosine with the light that leaves at a cosine and an angle
+/// around the normal, and the part of all that light that it sends on.
+fn each_sent_on(
     [along, across]: [f64; 2],
     [mu, around]: [f64; 2],
     facets: usize,
-    reflects: impl Fn(f64) -> f64,
-) -> f64 {
+    mut tell: impl FnMut(f64, f64),
+) {
     let length = |v: [f64; 3]| {
         (along * along * v[0] * v[0] + across * across * v[1] * v[1] + v[2] * v[2]).sqrt()
     };
@@ -149,17 +249,16 @@ fn sent_on(
     let wo = [sin * cos_around, sin * sin_around, mu];
     let length_o = length(wo);
     let from = [along * wo[0] / length_o, across * wo[1] / length_o, mu / length_o];
-    let mut sum = 0.0;
+    let count = (facets * facets) as f64;
     for (m, weight) in seen_facets([along, across], from, facets) {
         let cos = wo[0] * m[0] + wo[1] * m[1] + wo[2] * m[2];
         let wi = [0, 1, 2].map(|k| 2.0 * cos * m[k] - wo[k]);
         if wi[2] > 0.0 {
             // G2 / G1, heights correlated.
             let hidden = mu * length(wi) + wi[2] * length_o;
-            sum += weight * reflects(cos.clamp(0.0, 1.0)) * wi[2] * (mu + length_o) / hidden;
+            tell(cos.clamp(0.0, 1.0), weight * wi[2] * (mu + length_o) / hidden / count);
         }
     }
-    sum / (facets * facets) as f64
 }
 
 /// The normals of facets as often as they are seen from a direction that is squeezed already, with

@@ -17,3 +17,51 @@ pub fn write(path: &str, bytes: &[u8]) -> ExitCode {
         }
     }
 }
+
+/// What there is `of` each entry of a table of `sizes`, row-major, told by its place in parts of
+/// each axis.
+pub fn grid<const N: usize, T>(sizes: [usize; N], of: impl Fn([f64; N]) -> T) -> Vec<T> {
+    let count = sizes.iter().product();
+    let at = |number: usize| {
+        let mut rest = number;
+        let mut at = [0.0; N];
+        for (at, &size) in at.iter_mut().zip(&sizes).rev() {
+            *at = part(rest % size, size);
+            rest /= size;
+        }
+        at
+    };
+    (0..count).map(|number| of(at(number))).collect()
+}
+
+/// A table between whose entries straight lines are nowhere below the `truth` (`up` 1) or nowhere
+/// above it (`up` -1): entries move by as much as the truth bends away half-way to their
+/// neighbours, along all axes together.
+pub fn bounding<const N: usize>(
+    sizes: [usize; N],
+    up: f64,
+    truth: impl Fn([f64; N]) -> f64,
+) -> Vec<f64> {
+    let exact = grid(sizes, &truth);
+    let mut moved = exact.clone();
+    for axis in 0..N {
+        let stride: usize = sizes[axis + 1..].iter().product();
+        // Of places on the far side, which have no next one, less than nothing.
+        let half_way = grid(sizes, |mut at| {
+            at[axis] += 0.5 / (sizes[axis] - 1) as f64;
+            if at[axis] < 1.0 { truth(at) } else { up * f64::NEG_INFINITY }
+        });
+        let mut most = vec![0.0_f64; exact.len()];
+        for (number, half_way) in half_way.into_iter().enumerate() {
+            if let Some(&next) = exact.get(number + stride) {
+                let beyond = up * (half_way - 0.5 * (exact[number] + next));
+                most[number] = most[number].max(beyond);
+                most[number + stride] = most[number + stride].max(beyond);
+            }
+        }
+        for (moved, most) in moved.iter_mut().zip(most) {
+            *moved += up * most;
+        }
+    }
+    moved
+}

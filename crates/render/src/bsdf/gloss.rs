@@ -9,9 +9,15 @@
 //! Reflection by Fresnel's equations is split into what is there at normal
 //! incidence and how it rises towards grazing. The first is 1 minus the loss of
 //! `energy.rs`, the second is tabulated here as a mean over what facets send
-//! on, so that any colour at normal incidence follows from the two. Means over
-//! all directions are tabulated as well: a layer must be cheap to make, because
+//! on, so that any colour at normal incidence follows from the two. Under thin
+//! films it goes up and down, and facets that are steeper one way than the
+//! other have too many shapes for such a table: for these it is tabulated under
+//! which cosines facets see the light that they send on. Means over all
+//! directions are tabulated as well: a layer must be cheap to make, because
 //! textures make one at every hit.
+//!
+//! Between its entries a table tells at least what is reflected, and at most what
+//! is lost: what is left for other layers, or given back, is never too much.
 //!
 //! Source: as for `energy.rs`; OpenPBR Surface specification 1.1, 2024, section
 //! on albedo scaling.
@@ -19,16 +25,31 @@
 use super::fresnel::Fresnel;
 use rutilant_geom::{Vec3, real};
 
-/// Indices, roughnesses and angles of the rise.
+/// Indices, roughnesses and angles of the rise; then the means.
 const RISE: [usize; 3] = [16, 24, 41];
 const RISE_MEANS: usize = 16 * 24 * 41;
-/// Roughnesses, anisotropies, directions around the normal, and angles.
-const STRETCHED: [usize; 4] = [12, 11, 6, 28];
-const STRETCHED_START: usize = RISE_MEANS + 16 * 24;
-const STRETCHED_MEANS: usize = STRETCHED_START + 12 * 11 * 6 * 28;
 /// Roughnesses and angles of sheen.
 const SHEEN: [usize; 2] = [16, 32];
-const SHEEN_START: usize = STRETCHED_MEANS + 12 * 11;
+const SHEEN_START: usize = RISE_MEANS + 16 * 24;
+/// Roughnesses and angles of the cosines under which facets are seen, then what is to be added
+/// for the steepest rise, then the means of both.
+const SEEN: [usize; 2] = [24, 32];
+const SEEN_START: usize = SHEEN_START + 16 * 32;
+const SEEN_MORE: usize = SEEN_START + 24 * 32 * COSINES;
+const SEEN_MEANS: usize = SEEN_MORE + 24 * 32;
+/// Roughnesses, anisotropies, directions around the normal and angles of the same for facets that
+/// are steeper along x, and what they lose; then the means.
+const STRETCHED: [usize; 4] = [10, 9, 6, 20];
+const STRETCHED_START: usize = SEEN_MEANS + 24 * (COSINES + 1);
+const STRETCHED_MORE: usize = STRETCHED_START + 10 * 9 * 6 * 20 * FEW_COSINES;
+const STRETCHED_LOST: usize = STRETCHED_MORE + 10 * 9 * 6 * 20;
+const STRETCHED_MEANS: usize = STRETCHED_LOST + 10 * 9 * 6 * 20;
+const STRETCHED_LOST_MEANS: usize = STRETCHED_MEANS + 10 * 9 * (FEW_COSINES + 1);
+
+/// How many cosines a reflection is told at.
+pub(super) const COSINES: usize = 17;
+/// How many of them are used where facets are steeper one way than the other: every second one.
+const FEW_COSINES: usize = 9;
 
 /// The least roughness of sheen in the table.
 pub(super) const LEAST_SHEEN: f32 = 0.3;
@@ -74,11 +95,6 @@ impl Step {
     }
 }
 
-/// About what facets of this α lose in the mean. Means are stored in parts of it.
-fn usual_loss(alpha: f32) -> f32 {
-    alpha * alpha * (1.0 - 2.0 * real::ln(alpha))
-}
-
 /// How the reflection of a dielectric rises from 0 at normal incidence to 1 at grazing, as a mean
 /// over facets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,20 +117,10 @@ impl Rise {
 
     /// The mean over what facets send on of the light that leaves under the cosine `mu`.
     pub(super) fn at(&self, mu: f32) -> f32 {
-        self.of(self.roughness, mu)
-    }
-
-    /// The same where facets have another roughness in the direction of that light.
-    pub(super) fn at_roughness(&self, mu: f32, roughness: f32) -> f32 {
-        self.of(Step::at(roughness, RISE[1]), mu)
-    }
-
-    fn of(&self, roughness: Step, mu: f32) -> f32 {
         let [_, roughnesses, angles] = RISE;
         let angle = Step::at(mu.sqrt(), angles);
-        self.index.between(|n| {
-            roughness.between(|r| angle.between(|a| entry((n * roughnesses + r) * angles + a)))
-        })
+        let entry = |n, r, a| entry((n * roughnesses + r) * angles + a);
+        self.index.between(|n| self.roughness.between(|r| angle.between(|a| entry(n, r, a))))
     }
 
     /// The same of a smooth surface: how far `reflected`, which Fresnel's equations say for some
@@ -130,33 +136,139 @@ impl Rise {
     }
 }
 
+/// What some gloss reflects at cosines that are denser towards grazing: see [`Reflection::cosines`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reflection([f32; COSINES]);
+
+impl Reflection {
+    /// The cosines at which it is told.
+    pub(super) fn cosines() -> [f32; COSINES] {
+        std::array::from_fn(|k| {
+            let part = k as f32 / (COSINES - 1) as f32;
+            part * part
+        })
+    }
+
+    /// What is reflected at each of the [`cosines`](Self::cosines).
+    pub(super) fn new(reflected: [f32; COSINES]) -> Self {
+        Self(reflected)
+    }
+
+    /// The same with a little more where it bends down, so that straight lines between every
+    /// `step`th of the cosines nowhere tell less than there is.
+    pub(super) fn raised(&self, step: usize) -> Self {
+        let (cosines, reflected) = (Self::cosines(), &self.0);
+        let mut raised = *self;
+        for (k, raised) in raised.0.iter_mut().enumerate() {
+            let k = k.clamp(step, COSINES - 1 - step);
+            let slope = |from: usize, to: usize| {
+                (reflected[to] - reflected[from]) / (cosines[to] - cosines[from])
+            };
+            let (below, above) = (slope(k - step, k), slope(k, k + step));
+            let bend = (above - below) / (cosines[k + step] - cosines[k - step]);
+            let way = cosines[k + step] - cosines[k];
+            *raised = (*raised - (0.25 * bend * way * way).min(0.0)).min(1.0);
+        }
+        raised
+    }
+
+    /// The mean over the cosine-weighted hemisphere, where the surface is smooth.
+    ///
+    /// By Simpson's rule in the root of the cosine.
+    pub(super) fn mean(&self) -> f32 {
+        let step = 1.0 / (COSINES - 1) as f32;
+        let parts = self.0.iter().enumerate().map(|(k, reflected)| {
+            let weight = match k {
+                0 => 1.0,
+                k if k == COSINES - 1 => 1.0,
+                k if k % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            // μ = t², so 2 μ dμ = 4 t³ dt.
+            let root = k as f32 * step;
+            reflected * 4.0 * root * root * root * weight * (step / 3.0)
+        });
+        parts.sum()
+    }
+
+    /// The mean where entries of the tables from `parts` on say how often every `step`th cosine is
+    /// seen, and the entry `more` what is to be added for the steepest rise.
+    fn seen(&self, step: usize, parts: usize, more: usize) -> f32 {
+        let told = self.0.iter().step_by(step).enumerate();
+        told.map(|(k, reflected)| reflected * entry(parts + k)).sum::<f32>() + entry(more)
+    }
+}
+
+/// Under which cosines facets see the light that they send on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SeenFacets {
+    roughness: Step,
+}
+
+impl SeenFacets {
+    /// Of a roughness from 0 to 1.
+    pub(super) fn new(roughness: f32) -> Self {
+        Self { roughness: Step::at(roughness, SEEN[0]) }
+    }
+
+    /// The mean of what is `reflected` over what facets send on of the light that leaves under the
+    /// cosine `mu`.
+    pub(super) fn at(&self, mu: f32, reflected: &Reflection) -> f32 {
+        let [_, angles] = SEEN;
+        let angle = Step::at(mu.sqrt(), angles);
+        self.roughness.between(|r| {
+            angle.between(|a| {
+                let place = r * angles + a;
+                reflected.seen(1, SEEN_START + place * COSINES, SEEN_MORE + place)
+            })
+        })
+    }
+
+    /// The mean over the cosine-weighted hemisphere, of all light and not of what is sent on.
+    pub(super) fn mean(&self, reflected: &Reflection) -> f32 {
+        self.roughness.between(|r| {
+            let start = SEEN_MEANS + r * (COSINES + 1);
+            reflected.seen(1, start, start + COSINES)
+        })
+    }
+}
+
 /// What Fresnel's equations say at normal incidence.
 pub(super) fn normal_reflectance(eta: f32) -> f32 {
     Fresnel::Exact.dielectric(1.0, eta).0
 }
 
-/// What is lost by metal that is steeper along x than along y.
+/// What facets that are steeper along x than along y lose, and under which cosines they see what
+/// they send on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct StretchedLoss {
+pub(super) struct StretchedFacets {
     roughness: Step,
     anisotropy: Step,
     along: f32,
     across: f32,
-    /// The mean over the cosine-weighted hemisphere.
-    pub(super) mean: f32,
+    /// What is lost, as a mean over the cosine-weighted hemisphere.
+    pub(super) mean_lost: f32,
 }
 
-impl StretchedLoss {
+/// Where a direction stands in the tables of stretched facets.
+struct Turned {
+    turn: Step,
+    angle: Step,
+}
+
+impl StretchedFacets {
+    /// The step from one of the cosines of a [`Reflection`] that is used to the next one.
+    pub(super) const STEP: usize = (COSINES - 1) / (FEW_COSINES - 1);
+
     /// `along` and `across` are α along x and y: the second is the square of `roughness`, the
     /// first lies between it and 1 in proportion to the square of `anisotropy`.
     pub(super) fn new(roughness: f32, anisotropy: f32, [along, across]: [f32; 2]) -> Self {
         let [roughnesses, anisotropies, ..] = STRETCHED;
         let roughness = Step::at(roughness, roughnesses);
         let anisotropy = Step::at(anisotropy, anisotropies);
-        let entry = |r, s| entry(STRETCHED_MEANS + r * anisotropies + s);
-        let part = roughness.between(|r| anisotropy.between(|s| entry(r, s)));
-        let mean = part * usual_loss((0.5 * (along * along + across * across)).sqrt());
-        Self { roughness, anisotropy, along, across, mean }
+        let facets = Self { roughness, anisotropy, along, across, mean_lost: 0.0 };
+        let mean_lost = facets.between(|row| squared(entry(STRETCHED_LOST_MEANS + row)));
+        Self { mean_lost, ..facets }
     }
 
     /// α of facets alike in all directions that do to light along `w` nearly what these do: what
@@ -167,27 +279,58 @@ impl StretchedLoss {
         (mean * w.z * w.z + along2 * w.x * w.x + across2 * w.y * w.y).sqrt().min(1.0)
     }
 
-    /// How steep facets are in the direction of `w`: their α there.
-    fn steepness(&self, w: Vec3) -> f32 {
-        let (x, y) = (self.along * w.x, self.across * w.y);
-        let across2 = w.x * w.x + w.y * w.y;
-        if across2 > 0.0 { ((x * x + y * y) / across2).sqrt() } else { self.across }
+    /// The part lost of light that leaves or arrives along `w`.
+    pub(super) fn lost(&self, w: Vec3) -> f32 {
+        let place = Turned::new(w);
+        self.between(|row| place.between(row, |place| squared(entry(STRETCHED_LOST + place))))
     }
 
-    /// The part lost of light that leaves or arrives along `w`.
-    pub(super) fn at(&self, w: Vec3) -> f32 {
-        let [_, anisotropies, turns, angles] = STRETCHED;
-        let seen = self.steepness(w);
-        let turn = Step::at((seen - self.across) / (self.along - self.across), turns);
-        let half_way = seen / (1.0 + 2.0 * seen * seen);
-        let mu = w.z.abs();
-        let angle = Step::at(mu * (1.0 + half_way) / (mu + half_way), angles);
-        let entry =
-            |r, s, t, a| entry(STRETCHED_START + ((r * anisotropies + s) * turns + t) * angles + a);
-        self.roughness.between(|r| {
-            self.anisotropy.between(|s| turn.between(|t| angle.between(|a| entry(r, s, t, a))))
+    /// The mean of what is `reflected` over what facets send on of the light that leaves along `w`.
+    pub(super) fn at(&self, w: Vec3, reflected: &Reflection) -> f32 {
+        let place = Turned::new(w);
+        self.between(|row| {
+            place.between(row, |place| {
+                let parts = STRETCHED_START + place * FEW_COSINES;
+                reflected.seen(Self::STEP, parts, STRETCHED_MORE + place)
+            })
         })
     }
+
+    /// The mean over the cosine-weighted hemisphere, of all light and not of what is sent on.
+    pub(super) fn mean(&self, reflected: &Reflection) -> f32 {
+        self.between(|row| {
+            let start = STRETCHED_MEANS + row * (FEW_COSINES + 1);
+            reflected.seen(Self::STEP, start, start + FEW_COSINES)
+        })
+    }
+
+    /// Between what is in the rows of both roughnesses and anisotropies.
+    fn between(&self, of: impl Fn(usize) -> f32) -> f32 {
+        let [_, anisotropies, ..] = STRETCHED;
+        self.roughness.between(|r| self.anisotropy.between(|s| of(r * anisotropies + s)))
+    }
+}
+
+impl Turned {
+    fn new(w: Vec3) -> Self {
+        let [.., turns, angles] = STRETCHED;
+        let across = (w.x * w.x + w.y * w.y).sqrt();
+        let cos = if across > 0.0 { w.x.abs() / across } else { 0.0 };
+        let mu = w.z.abs();
+        let root = if mu > 0.0 { real::pow(mu, 1.0 / 3.0) } else { 0.0 };
+        Self { turn: Step::at(cos, turns), angle: Step::at(root, angles) }
+    }
+
+    /// Between what is at the places of a row.
+    fn between(&self, row: usize, of: impl Fn(usize) -> f32) -> f32 {
+        let [.., turns, angles] = STRETCHED;
+        self.turn.between(|t| self.angle.between(|a| of((row * turns + t) * angles + a)))
+    }
+}
+
+/// Small numbers are stored as their roots.
+fn squared(root: f32) -> f32 {
+    root * root
 }
 
 /// Where sheen of some roughness stands in its table.
@@ -281,6 +424,43 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// So is the mean over facets of what rises and falls with the cosine, and that over all light.
+    #[test]
+    fn tables_hold_what_facets_see() {
+        // As a film of half a wave does.
+        let film = |cos: f32| 0.5 + 0.3 * real::cos(4.0 * cos);
+        let told = SeenFacets::cosines().map(film);
+        for roughness in [0.1_f32, 0.35, 0.7, 1.0] {
+            let (seen, alpha) = (SeenFacets::new(roughness), f64::from(roughness * roughness));
+            let sent_on = |mu: f32| {
+                let part = |of: &dyn Fn(f64) -> f64| sent_on([alpha; 2], direction(mu, 0.0), of);
+                [part(&|cos| f64::from(film(cos as f32))), part(&|_| 1.0)]
+            };
+            for mu in [0.05_f32, 0.3, 0.9] {
+                let [expected, all] = sent_on(mu);
+                let got = f64::from(seen.at(mu, &told));
+                let expected = expected / all;
+                assert!((got - expected).abs() < 0.012, "{roughness} {mu}: {got} {expected}");
+            }
+            let steps = 12;
+            let means = (0..steps).map(|i| {
+                let mu = ((i as f32 + 0.5) / steps as f32).sqrt();
+                sent_on(mu)[0] / f64::from(steps)
+            });
+            let (got, expected) = (f64::from(seen.mean(&told)), means.sum::<f64>());
+            assert!((got - expected).abs() < 0.012, "{roughness}: {got} {expected}");
+        }
+        // ∫ μ 2 μ dμ = 2/3, and of Schlick's rise it is 1/21.
+        let mean =
+            |of: &dyn Fn(f32) -> f32| SeenFacets::smooth_mean(&SeenFacets::cosines().map(of));
+        assert!((mean(&|cos| cos) - 2.0 / 3.0).abs() < 1e-4);
+        let schlick = |cos: f32| {
+            let m = 1.0 - cos;
+            (m * m) * (m * m) * m
+        };
+        assert!((mean(&schlick) - 1.0 / 21.0).abs() < 1e-4);
     }
 
     /// That of stretched facets, too; without stretch it is that of the others.

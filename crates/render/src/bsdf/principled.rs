@@ -19,7 +19,7 @@
 
 use super::energy::Loss;
 use super::fresnel::Fresnel;
-use super::gloss::{self, Rise, StretchedLoss};
+use super::gloss::{self, COSINES, Reflection, Rise, SeenFacets, StretchedFacets};
 use super::microfacet::{Ggx, StretchedGgx};
 use super::oren_nayar::OrenNayar;
 use super::rough_dielectric::RoughDielectric;
@@ -134,6 +134,9 @@ pub struct Principled {
     film: Option<ThinFilm>,
     /// What gloss reflects at normal incidence and at grazing, of any channel the most.
     most: [f32; 2],
+    /// The same at more cosines, where these two do not tell enough: below films, and where facets
+    /// are steeper one way than the other.
+    told: Option<Reflection>,
     /// What gloss leaves to a matte body, as a mean over the cosine-weighted hemisphere.
     mean_left: f32,
     matte: OrenNayar,
@@ -151,7 +154,8 @@ struct Facets {
     ggx: StretchedGgx,
     loss: Loss,
     /// Set where they are steeper one way than the other.
-    stretched: Option<StretchedLoss>,
+    stretched: Option<StretchedFacets>,
+    seen: SeenFacets,
     rise: Rise,
     /// What metal and gloss give back on the side of the light of what facets lose, per part lost.
     many_metal: Spectrum,
@@ -307,9 +311,6 @@ impl Principled {
         let metal = its.metallic;
         let clear = (1.0 - metal) * its.transmission;
         let opaque = (1.0 - metal) * (1.0 - its.transmission);
-        let film =
-            ThinFilm::new(its.iridescence, its.iridescence_ior, its.iridescence_thickness_nm);
-
         // Facets are steeper along the tangent.
         let alpha = its.roughness * its.roughness;
         let along = alpha + (1.0 - alpha) * its.anisotropy * its.anisotropy;
@@ -325,8 +326,9 @@ impl Principled {
             clear,
             facets: None,
             border: None,
-            film,
+            film: ThinFilm::new(its.iridescence, its.iridescence_ior, its.iridescence_thickness_nm),
             most: [0.0; 2],
+            told: None,
             mean_left: 1.0,
             matte: OrenNayar::new(
                 its.base_color * (1.0 - its.diffuse_transmission),
@@ -340,32 +342,43 @@ impl Principled {
                 Vec2::new(c, s)
             }),
         };
-        layers.most = layers.most_gloss();
+        layers.most = [layers.normal_gloss().max_channel(), its.specular];
         let mean_rise = Rise::new(its.eta, 0.0).mean;
         let [normal, grazing] = layers.most;
+        let gloss = (layers.film.is_some() || is_stretched)
+            .then(|| Reflection::cosines().map(|cos| layers.gloss(cos)));
+        let told = gloss.map(|gloss| Reflection::new(gloss.map(Spectrum::max_channel)));
         if !is_rough {
-            layers.mean_left = 1.0 - (normal + (grazing - normal) * mean_rise);
+            let reflected = normal + (grazing - normal) * mean_rise;
+            layers.mean_left = 1.0 - told.map_or(reflected, |told| told.mean());
             return layers;
         }
+        let step = if is_stretched { StretchedFacets::STEP } else { 1 };
+        layers.told = told.map(|told| told.raised(step));
 
         // What facets lose, and how much of it metal and gloss give back.
         let loss = Loss::metal(steepness).roughly_averaged();
         let stretched = is_stretched
-            .then(|| StretchedLoss::new(across.sqrt(), its.anisotropy, [along, across]));
-        let mean_lost = stretched.map_or(loss.mean, |s| s.mean);
+            .then(|| StretchedFacets::new(across.sqrt(), its.anisotropy, [along, across]));
+        let mean_lost = stretched.map_or(loss.mean, |s| s.mean_lost);
         let series = |f: f32| f * f * (1.0 - mean_lost) / (1.0 - f * mean_lost);
-        let [mean_metal, mean_gloss] = layers.mean_reflectances(mean_rise);
+        let [mean_metal, mean_gloss] = layers.mean_reflectances(gloss, mean_rise);
         let rise = Rise::new(its.eta, steepness);
         let (many_metal, many_gloss) = (mean_metal.map(series), mean_gloss.map(series));
         layers.facets = Some(Facets {
             ggx: StretchedGgx { along, across: if is_stretched { across } else { along } },
             loss: loss.with_mean(mean_lost),
             stretched,
+            seen: SeenFacets::new(steepness),
             rise,
             many_metal,
             many_gloss,
         });
-        let once = normal * (1.0 - mean_lost) + (grazing - normal) * rise.mean;
+        let once = match (&layers.told, &stretched) {
+            (None, _) => normal * (1.0 - mean_lost) + (grazing - normal) * rise.mean,
+            (Some(told), None) => SeenFacets::new(steepness).mean(told),
+            (Some(told), Some(stretched)) => stretched.mean(told),
+        };
         layers.mean_left = 1.0 - (once + mean_lost * many_gloss.max_channel());
 
         // The border that light crosses.
@@ -373,8 +386,9 @@ impl Principled {
         if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
             // Where facets are stretched, or reflect otherwise than Fresnel's equations say, what is
             // lost is not known so well: they give back less, so that no light is made.
-            let is_plain =
-                film.is_none() && its.specular == 1.0 && its.specular_color == Spectrum::WHITE;
+            let is_plain = layers.film.is_none()
+                && its.specular == 1.0
+                && its.specular_color == Spectrum::WHITE;
             let stretch = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
             let more = if is_plain { stretch } else { 1.3 * stretch };
             layers.border = Some(Glass::new(its.eta, steepness, more));
@@ -402,7 +416,7 @@ impl Principled {
 
     /// True where gloss reflects anything.
     fn is_glossy(&self) -> bool {
-        self.most[1] > 0.0
+        self.its.specular > 0.0 || self.film.is_some()
     }
 
     /// True when some of it is scattered into single directions.
@@ -862,38 +876,25 @@ impl Principled {
         }
     }
 
-    /// How much gloss reflects of any channel, as parts at normal incidence and at grazing that
-    /// between them rise as Fresnel's equations do. At no angle less than there is: what is below
-    /// a film gets a little less than it might.
-    fn most_gloss(&self) -> [f32; 2] {
-        let normal = self.normal_gloss().max_channel();
-        let Some(film) = &self.film else { return [normal, self.its.specular] };
-        let grazing = self.its.specular + (1.0 - self.its.specular) * film.strength;
-        let eta = self.its.eta.max(1.0 / self.its.eta);
-        let towards_grazing = [0.01, 0.03, 0.06, 0.1, 0.15];
-        let normal = cosines().chain(towards_grazing).fold(0.0_f32, |most, cos| {
-            let (reflected, _) = Fresnel::Exact.dielectric(cos, eta);
-            let rise = Rise::of_smooth(reflected, eta);
-            let here = self.gloss_of(reflected, cos).max_channel();
-            if rise < 0.98 { most.max((here - rise * grazing) / (1.0 - rise)) } else { most }
-        });
-        [normal.clamp(0.0, 1.0), grazing]
-    }
-
-    /// What metal and gloss reflect as means over the cosine-weighted hemisphere.
-    fn mean_reflectances(&self, mean_rise: f32) -> [Spectrum; 2] {
-        if self.film.is_none() {
-            let grazing = self.its.specular;
+    /// What metal and gloss reflect as means over the cosine-weighted hemisphere; `gloss` is what the
+    /// second reflects at some cosines, if that is known.
+    fn mean_reflectances(
+        &self,
+        gloss: Option<[Spectrum; COSINES]>,
+        mean_rise: f32,
+    ) -> [Spectrum; 2] {
+        let mean = |reflected: [Spectrum; COSINES]| {
+            let channel = |k: usize| Reflection::new(reflected.map(|r| r.channels()[k])).mean();
+            Spectrum::from(std::array::from_fn(channel))
+        };
+        let metal = match &self.film {
             // The mean of (1 - cos)⁵ is 1/21.
-            return [
-                self.its.base_color.map(|c| c + (1.0 - c) / 21.0),
-                self.normal_gloss().map(|f| f + (grazing - f) * mean_rise),
-            ];
-        }
-        let sum = cosines().fold([Spectrum::BLACK; 2], |[metal, gloss], cos| {
-            [metal + self.metal(cos), gloss + self.gloss(cos)]
-        });
-        sum.map(|sum| sum / COSINES as f32)
+            None => self.its.base_color.map(|c| c + (1.0 - c) / 21.0),
+            Some(_) => mean(Reflection::cosines().map(|cos| self.metal(cos))),
+        };
+        let grazing = self.its.specular;
+        let plain = || self.normal_gloss().map(|f| f + (grazing - f) * mean_rise);
+        [metal, gloss.map_or_else(plain, mean)]
     }
 
     /// What gloss leaves to a matte body of light along `w`.
@@ -902,17 +903,15 @@ impl Principled {
     }
 
     fn left_of(&self, lost: f32, w: Vec3) -> f32 {
-        let mu = w.z.abs();
         let [normal, grazing] = self.most;
         let reflected = match &self.facets {
-            None => {
-                let eta = self.its.eta.max(1.0 / self.its.eta);
-                let (reflected, _) = Fresnel::Exact.dielectric(mu, eta);
-                normal + (grazing - normal) * Rise::of_smooth(reflected, eta)
-            }
+            None => self.gloss(w.z.abs()).max_channel(),
             Some(facets) => {
-                let once = (1.0 - lost) * (normal + (grazing - normal) * facets.rise(w));
-                once + lost * facets.many_gloss.max_channel()
+                let once = match &self.told {
+                    None => normal + (grazing - normal) * facets.rise.at(w.z.abs()),
+                    Some(told) => facets.reflected(told, w),
+                };
+                (1.0 - lost) * once + lost * facets.many_gloss.max_channel()
             }
         };
         (1.0 - reflected).max(0.0)
@@ -1035,14 +1034,6 @@ fn cos_of_coat(frame: Option<&Frame>, w: Vec3) -> f32 {
     frame.map_or(w.z.abs(), |frame| frame.z.dot(w).abs().min(1.0))
 }
 
-/// How many angles are looked at where a film makes tables useless.
-const COSINES: u32 = 12;
-
-/// Their cosines, spread as diffuse light is.
-fn cosines() -> impl Iterator<Item = f32> {
-    (0..COSINES).map(|n| ((n as f32 + 0.5) / COSINES as f32).sqrt())
-}
-
 impl Ways<f32> {
     /// Draws one of them; what is left of the choice is as good as new.
     fn choose(&self, choice: f32) -> Option<(Way, f32)> {
@@ -1076,15 +1067,14 @@ impl Ways<f32> {
 impl Facets {
     /// What metal loses of light along `w`.
     fn lost(&self, w: Vec3) -> f32 {
-        self.stretched.map_or_else(|| self.loss.at(w.z.abs()), |s| s.at(w))
+        self.stretched.map_or_else(|| self.loss.at(w.z.abs()), |s| s.lost(w))
     }
 
-    /// How the reflection of gloss rises towards grazing, for light along `w`.
-    fn rise(&self, w: Vec3) -> f32 {
-        let mu = w.z.abs();
+    /// The mean of what is `told` over what they send on of light along `w`.
+    fn reflected(&self, told: &Reflection, w: Vec3) -> f32 {
         match &self.stretched {
-            None => self.rise.at(mu),
-            Some(stretched) => self.rise.at_roughness(mu, stretched.equal_alpha(w).sqrt()),
+            None => self.seen.at(w.z.abs(), told),
+            Some(stretched) => stretched.at(w, told),
         }
     }
 
@@ -1096,7 +1086,7 @@ impl Facets {
         let roughness = stretched.equal_alpha(w).sqrt();
         let usual = Loss::metal(roughness).at(mu);
         let lost = Loss::glass(roughness, side.eta).at(mu);
-        let metal = stretched.at(w);
+        let metal = stretched.lost(w);
         if usual > 0.0 { (lost / usual).min(1.0) * metal } else { lost }
     }
 }
