@@ -26,7 +26,7 @@ const SEEN: [usize; 2] = [24, 32];
 const SEEN_COSINES: usize = 17;
 /// Roughnesses, anisotropies, directions around the normal and angles of the same for facets that
 /// are steeper one way than the other, and of what they lose; then the means over directions.
-const STRETCHED: [usize; 4] = [10, 9, 6, 20];
+const STRETCHED: [usize; 4] = [10, 9, 7, 18];
 const STRETCHED_COSINES: usize = 9;
 
 /// The least index of refraction, and the largest.
@@ -101,11 +101,12 @@ fn main() -> ExitCode {
         put(over_angles(&|i| more[i]));
     }
 
-    // The same for facets that are steeper one way than the other, and what they lose.
+    // The same for facets that are steeper one way than the other, and what they lose: denser where
+    // they are smooth, and where light comes across them.
     let stretched = |[roughness, strength, turn, angle]: [f64; 4]| {
-        let across = alpha(roughness);
+        let (across, strength) = (alpha(roughness * roughness), strength * strength);
         let along = across + (1.0 - across) * strength * strength;
-        ([along, across], [(angle * angle * angle).max(1e-6), libm::acos(turn)])
+        ([along, across], [(angle * angle * angle).max(1e-6), libm::acos(turn * turn)])
     };
     let (entries, more) = seen_table(STRETCHED, |at| {
         let (alphas, wo) = stretched(at);
@@ -127,7 +128,7 @@ fn main() -> ExitCode {
         let over_directions = |of: &dyn Fn(usize) -> f64| {
             let steps = 24;
             let means = (0..steps).map(|i| {
-                let turn = libm::cos(0.5 * PI * (f64::from(i) + 0.5) / f64::from(steps));
+                let turn = libm::cos(0.5 * PI * (f64::from(i) + 0.5) / f64::from(steps)).sqrt();
                 mean(|mu| {
                     between(turn, turns, |t| {
                         let row = start + t * angles;

@@ -39,11 +39,11 @@ const SEEN_MORE: usize = SEEN_START + 24 * 32 * COSINES;
 const SEEN_MEANS: usize = SEEN_MORE + 24 * 32;
 /// Roughnesses, anisotropies, directions around the normal and angles of the same for facets that
 /// are steeper along x, and what they lose; then the means.
-const STRETCHED: [usize; 4] = [10, 9, 6, 20];
+const STRETCHED: [usize; 4] = [10, 9, 7, 18];
 const STRETCHED_START: usize = SEEN_MEANS + 24 * (COSINES + 1);
-const STRETCHED_MORE: usize = STRETCHED_START + 10 * 9 * 6 * 20 * FEW_COSINES;
-const STRETCHED_LOST: usize = STRETCHED_MORE + 10 * 9 * 6 * 20;
-const STRETCHED_MEANS: usize = STRETCHED_LOST + 10 * 9 * 6 * 20;
+const STRETCHED_MORE: usize = STRETCHED_START + 10 * 9 * 7 * 18 * FEW_COSINES;
+const STRETCHED_LOST: usize = STRETCHED_MORE + 10 * 9 * 7 * 18;
+const STRETCHED_MEANS: usize = STRETCHED_LOST + 10 * 9 * 7 * 18;
 const STRETCHED_LOST_MEANS: usize = STRETCHED_MEANS + 10 * 9 * (FEW_COSINES + 1);
 
 /// How many cosines a reflection is told at.
@@ -264,8 +264,8 @@ impl StretchedFacets {
     /// first lies between it and 1 in proportion to the square of `anisotropy`.
     pub(super) fn new(roughness: f32, anisotropy: f32, [along, across]: [f32; 2]) -> Self {
         let [roughnesses, anisotropies, ..] = STRETCHED;
-        let roughness = Step::at(roughness, roughnesses);
-        let anisotropy = Step::at(anisotropy, anisotropies);
+        let roughness = Step::at(roughness.sqrt(), roughnesses);
+        let anisotropy = Step::at(anisotropy.sqrt(), anisotropies);
         let facets = Self { roughness, anisotropy, along, across, mean_lost: 0.0 };
         let mean_lost = facets.between(|row| squared(entry(STRETCHED_LOST_MEANS + row)));
         Self { mean_lost, ..facets }
@@ -318,7 +318,7 @@ impl Turned {
         let cos = if across > 0.0 { w.x.abs() / across } else { 0.0 };
         let mu = w.z.abs();
         let root = if mu > 0.0 { real::pow(mu, 1.0 / 3.0) } else { 0.0 };
-        Self { turn: Step::at(cos, turns), angle: Step::at(root, angles) }
+        Self { turn: Step::at(cos.sqrt(), turns), angle: Step::at(root, angles) }
     }
 
     /// Between what is at the places of a row.
