@@ -36,7 +36,7 @@ pub fn grid<const N: usize, T>(sizes: [usize; N], of: impl Fn([f64; N]) -> T) ->
 
 /// A table between whose entries straight lines are nowhere below the `truth` (`up` 1) or nowhere
 /// above it (`up` -1): entries move by as much as the truth bends away half-way to their
-/// neighbours, along all axes together.
+/// neighbours, along all axes together, and then by what is still missing amidst them.
 pub fn bounding<const N: usize>(
     sizes: [usize; N],
     up: f64,
@@ -63,5 +63,31 @@ pub fn bounding<const N: usize>(
             *moved += up * most;
         }
     }
-    moved
+
+    // The corners of the cell that starts at an entry.
+    let corners = |number: usize| {
+        (0..1_usize << N).map(move |corner| {
+            let (mut place, mut stride) = (number, 1);
+            for axis in (0..N).rev() {
+                place += stride * (corner >> axis & 1);
+                stride *= sizes[axis];
+            }
+            place
+        })
+    };
+    let amidst = grid(sizes, |mut at| {
+        for (at, size) in at.iter_mut().zip(sizes) {
+            *at += 0.5 / (size - 1) as f64;
+        }
+        at.iter().all(|&at| at < 1.0).then(|| truth(at))
+    });
+    let mut most = vec![0.0_f64; moved.len()];
+    for (number, truth) in amidst.into_iter().enumerate() {
+        let Some(truth) = truth else { continue };
+        let told = corners(number).map(|corner| moved[corner]).sum::<f64>() / f64::from(1 << N);
+        for corner in corners(number) {
+            most[corner] = most[corner].max(up * (truth - told));
+        }
+    }
+    moved.iter().zip(most).map(|(moved, most)| moved + up * most).collect()
 }

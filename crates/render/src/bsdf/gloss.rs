@@ -35,20 +35,22 @@ const SHEEN_START: usize = RISE_MEANS + 16 * 24;
 /// for the steepest rise, then the means of both.
 const SEEN: [usize; 2] = [24, 32];
 const SEEN_START: usize = SHEEN_START + 16 * 32;
-const SEEN_MORE: usize = SEEN_START + 24 * 32 * COSINES;
+const SEEN_MORE: usize = SEEN_START + 24 * 32 * SEEN_COSINES;
 const SEEN_MEANS: usize = SEEN_MORE + 24 * 32;
 /// Roughnesses, anisotropies, directions around the normal and angles of the same for facets that
 /// are steeper along x, and what they lose; then the means.
 const STRETCHED: [usize; 4] = [10, 9, 7, 18];
-const STRETCHED_START: usize = SEEN_MEANS + 24 * (COSINES + 1);
+const STRETCHED_START: usize = SEEN_MEANS + 24 * (SEEN_COSINES + 1);
 const STRETCHED_MORE: usize = STRETCHED_START + 10 * 9 * 7 * 18 * FEW_COSINES;
 const STRETCHED_LOST: usize = STRETCHED_MORE + 10 * 9 * 7 * 18;
 const STRETCHED_MEANS: usize = STRETCHED_LOST + 10 * 9 * 7 * 18;
 const STRETCHED_LOST_MEANS: usize = STRETCHED_MEANS + 10 * 9 * (FEW_COSINES + 1);
 
 /// How many cosines a reflection is told at.
-pub(super) const COSINES: usize = 17;
-/// How many of them are used where facets are steeper one way than the other: every second one.
+pub(super) const COSINES: usize = 33;
+/// How many of them the tables use: every second one.
+const SEEN_COSINES: usize = 17;
+/// The same where facets are steeper one way than the other: every fourth one.
 const FEW_COSINES: usize = 9;
 
 /// The least roughness of sheen in the table.
@@ -157,17 +159,18 @@ impl Reflection {
     /// The same with a little more where it bends down, so that straight lines between every
     /// `step`th of the cosines nowhere tell less than there is.
     pub(super) fn raised(&self, step: usize) -> Self {
-        let (cosines, reflected) = (Self::cosines(), &self.0);
-        let mut raised = *self;
-        for (k, raised) in raised.0.iter_mut().enumerate() {
-            let k = k.clamp(step, COSINES - 1 - step);
-            let slope = |from: usize, to: usize| {
-                (reflected[to] - reflected[from]) / (cosines[to] - cosines[from])
-            };
-            let (below, above) = (slope(k - step, k), slope(k, k + step));
-            let bend = (above - below) / (cosines[k + step] - cosines[k - step]);
-            let way = cosines[k + step] - cosines[k];
-            *raised = (*raised - (0.25 * bend * way * way).min(0.0)).min(1.0);
+        let (cosines, mut raised) = (Self::cosines(), *self);
+        for first in (0..COSINES - step).step_by(step) {
+            let next = first + step;
+            let most = (first + 1..next).fold(0.0_f32, |most, k| {
+                let along = (cosines[k] - cosines[first]) / (cosines[next] - cosines[first]);
+                let line = self.0[first] + (self.0[next] - self.0[first]) * along;
+                most.max(self.0[k] - line)
+            });
+            // Beside the places that are looked at a little more may be missing.
+            for k in [first, next] {
+                raised.0[k] = raised.0[k].max(self.0[k] + 1.3 * most).min(1.0);
+            }
         }
         raised
     }
@@ -206,6 +209,9 @@ pub(super) struct SeenFacets {
 }
 
 impl SeenFacets {
+    /// The step from one of the cosines of a [`Reflection`] that is used to the next one.
+    pub(super) const STEP: usize = (COSINES - 1) / (SEEN_COSINES - 1);
+
     /// Of a roughness from 0 to 1.
     pub(super) fn new(roughness: f32) -> Self {
         Self { roughness: Step::at(roughness, SEEN[0]) }
@@ -219,7 +225,7 @@ impl SeenFacets {
         self.roughness.between(|r| {
             angle.between(|a| {
                 let place = r * angles + a;
-                reflected.seen(1, SEEN_START + place * COSINES, SEEN_MORE + place)
+                reflected.seen(Self::STEP, SEEN_START + place * SEEN_COSINES, SEEN_MORE + place)
             })
         })
     }
@@ -227,8 +233,8 @@ impl SeenFacets {
     /// The mean over the cosine-weighted hemisphere, of all light and not of what is sent on.
     pub(super) fn mean(&self, reflected: &Reflection) -> f32 {
         self.roughness.between(|r| {
-            let start = SEEN_MEANS + r * (COSINES + 1);
-            reflected.seen(1, start, start + COSINES)
+            let start = SEEN_MEANS + r * (SEEN_COSINES + 1);
+            reflected.seen(Self::STEP, start, start + SEEN_COSINES)
         })
     }
 }

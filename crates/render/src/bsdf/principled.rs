@@ -167,6 +167,8 @@ struct Facets {
 struct Glass {
     above: Side,
     below: Side,
+    /// The part of what is lost that is given back.
+    share: f32,
 }
 
 /// What is lost and given back, seen from one side.
@@ -342,24 +344,26 @@ impl Principled {
                 Vec2::new(c, s)
             }),
         };
-        layers.most = [layers.normal_gloss().max_channel(), its.specular];
+        // Where the indices are the same there is no gloss.
+        let grazing = if its.eta == 1.0 { 0.0 } else { its.specular };
+        layers.most = [layers.normal_gloss().max_channel(), grazing];
         let mean_rise = Rise::new(its.eta, 0.0).mean;
         let [normal, grazing] = layers.most;
-        let gloss = (layers.film.is_some() || is_stretched)
+        let gloss = (!is_rough || is_stretched || layers.film.is_some())
             .then(|| Reflection::cosines().map(|cos| layers.gloss(cos)));
         let told = gloss.map(|gloss| Reflection::new(gloss.map(Spectrum::max_channel)));
         if !is_rough {
-            let reflected = normal + (grazing - normal) * mean_rise;
-            layers.mean_left = 1.0 - told.map_or(reflected, |told| told.mean());
+            layers.mean_left = 1.0 - told.map_or(0.0, |told| told.mean());
             return layers;
         }
-        let step = if is_stretched { StretchedFacets::STEP } else { 1 };
-        layers.told = told.map(|told| told.raised(step));
 
         // What facets lose, and how much of it metal and gloss give back.
         let loss = Loss::metal(steepness).roughly_averaged();
         let stretched = is_stretched
             .then(|| StretchedFacets::new(across.sqrt(), its.anisotropy, [along, across]));
+        layers.told = told.map(|told| {
+            told.raised(if is_stretched { StretchedFacets::STEP } else { SeenFacets::STEP })
+        });
         let mean_lost = stretched.map_or(loss.mean, |s| s.mean_lost);
         let series = |f: f32| f * f * (1.0 - mean_lost) / (1.0 - f * mean_lost);
         let [mean_metal, mean_gloss] = layers.mean_reflectances(gloss, mean_rise);
@@ -384,16 +388,29 @@ impl Principled {
         // The border that light crosses.
         let ratio = its.eta.max(1.0 / its.eta);
         if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
-            // Where facets are stretched, or reflect otherwise than Fresnel's equations say, what is
-            // lost is not known so well: they give back less, so that no light is made.
-            let is_plain = layers.film.is_none()
-                && its.specular == 1.0
-                && its.specular_color == Spectrum::WHITE;
-            let stretch = if is_stretched { 1.1 * mean_lost / loss.mean } else { 1.0 };
-            let more = if is_plain { stretch } else { 1.3 * stretch };
-            layers.border = Some(Glass::new(its.eta, steepness, more));
+            layers.border = Some(Glass::new(its.eta, steepness, layers.share_given_back()));
         }
         layers
+    }
+
+    /// How much of what the facets of a clear border lose may be given back, so that no light is
+    /// made: what plain glass loses is known. Where less is reflected or less crosses, by some
+    /// factor, at least that part of it is lost; under a film nothing is sure. What coat and sheen
+    /// send back from above, and what is lost where facets are steeper one way than the other, were
+    /// compared with what is known, over all angles: by these parts it is always enough.
+    fn share_given_back(&self) -> f32 {
+        const UNDER_LAYERS: f32 = 1.0 / 1.3;
+        const STRETCHED: f32 = 1.0 / 1.5;
+        let [r, g, b] = self.its.specular_color.channels();
+        let reflects = self.its.specular * r.min(g).min(b);
+        let plain = gloss::normal_reflectance(self.its.eta);
+        let crosses = (1.0 - self.normal_gloss().max_channel()) / (1.0 - plain);
+        let bare = self.film.map_or(1.0, |film| 1.0 - film.strength);
+        let layers = self.coat.is_some() || self.sheen.is_some();
+        reflects.min(crosses).clamp(0.0, 1.0)
+            * bare
+            * if layers { UNDER_LAYERS } else { 1.0 }
+            * if self.tangent.is_some() { STRETCHED } else { 1.0 }
     }
 
     /// The same over another index of refraction, where there is something behind it.
@@ -416,7 +433,7 @@ impl Principled {
 
     /// True where gloss reflects anything.
     fn is_glossy(&self) -> bool {
-        self.its.specular > 0.0 || self.film.is_some()
+        self.most[1] > 0.0 || self.film.is_some()
     }
 
     /// True when some of it is scattered into single directions.
@@ -629,7 +646,7 @@ impl Principled {
             let (side, _) = glass.seen_from(view.outside);
             let returning = 1.0 - side.crossing;
             let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(side, wi);
-            let lobe = lost * i * (FRAC_1_PI / side.loss.mean);
+            let lobe = glass.share * lost * i * (FRAC_1_PI / side.loss.mean);
             base += Spectrum::splat(self.clear * returning * lobe);
             pdf += ways.many_glass * returning * side.loss.pdf(i);
         }
@@ -701,7 +718,7 @@ impl Principled {
         if let (Some(glass), Some(facets), true) = (&self.border, &self.facets, ways.facet > 0.0) {
             let (side, beyond) = glass.seen_from(view.outside);
             let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(beyond, wi);
-            let lobe = lost * i * (FRAC_1_PI / beyond.loss.mean);
+            let lobe = glass.share * lost * i * (FRAC_1_PI / beyond.loss.mean);
             let many = self.clear * side.crossing * lobe / (eta * eta);
             pdf += ways.many_glass * side.crossing * beyond.loss.pdf(i);
             value += self.its.base_color * many;
@@ -810,9 +827,10 @@ impl Principled {
             ways.facet = below_coat * (1.0 - lost) * reflected;
             ways.many = below_coat * lost * self.many().max_channel();
             if let Some(glass) = &self.border {
-                let lost = facets.lost_by_glass(glass.seen_from(outside).0, wo);
+                let (side, _) = glass.seen_from(outside);
+                let lost = facets.lost_by_glass(side, wo);
                 ways.facet += below_coat * self.clear * (1.0 - lost);
-                ways.many_glass = below_coat * self.clear * lost;
+                ways.many_glass = below_coat * self.clear * glass.share * lost;
             } else if self.clear > 0.0 && its.thin_walled {
                 let once = crossing.reflected.max_channel() + crossing.passed * color;
                 ways.facet += below_coat * self.clear * (1.0 - lost) * once;
@@ -1092,12 +1110,9 @@ impl Facets {
 }
 
 impl Glass {
-    /// As [`RoughDielectric::new`], but more is lost in the mean by a factor.
-    fn new(eta: f32, roughness: f32, more: f32) -> Self {
-        let loss = |eta: f32| {
-            let loss = Loss::glass(roughness, eta).roughly_averaged();
-            loss.with_mean((loss.mean * more).min(1.0))
-        };
+    /// As [`RoughDielectric::new`], but only a `share` of what is lost is given back.
+    fn new(eta: f32, roughness: f32, share: f32) -> Self {
+        let loss = |eta: f32| Loss::glass(roughness, eta).roughly_averaged();
         let (above, below) = (loss(eta), loss(1.0 / eta));
         // From the denser side so much less crosses.
         let denser = if eta < 1.0 { eta * eta } else { 1.0 };
@@ -1109,6 +1124,7 @@ impl Glass {
                 loss: below,
                 crossing: through * above.mean / (eta * eta),
             },
+            share,
         }
     }
 
