@@ -69,6 +69,12 @@ impl OrenNayar {
         (self.albedo * once + self.many * (left(o) * left(i) * i)) * FRAC_1_PI
     }
 
+    /// The part of the BSDF that is the same in all directions of one side, in 1/sr: no more than
+    /// there is anywhere.
+    pub(super) fn even_part(&self) -> Spectrum {
+        self.albedo * (self.flat * (1.0 - self.roughness) * FRAC_1_PI)
+    }
+
     /// The density of [`sample`](Self::sample), in 1/sr.
     #[inline(never)]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {

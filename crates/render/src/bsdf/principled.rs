@@ -653,16 +653,16 @@ impl Principled {
 
         // The matte body below gloss.
         if ways.matte > 0.0 {
-            // From flat to rough clay, which does not send light on evenly, the share that
-            // `wi` has in what gloss takes goes over to `wo`.
-            let roughness = self.its.diffuse_roughness;
+            // What gloss takes of light along `wi` is taken from what is sent evenly: only of that is
+            // it known how much there is of it in all.
+            let through = self.opaque * view.left;
             let entering = self.left(wi) / self.mean_left;
-            let through = self.opaque * view.left * (entering + (1.0 - entering) * roughness);
             if self.its.diffuse_roughness == 0.0 {
-                base += self.matte.albedo() * (through * i * FRAC_1_PI);
+                base += self.matte.albedo() * (through * entering * i * FRAC_1_PI);
                 pdf += ways.matte * warp::cosine_hemisphere_pdf(i);
             } else {
-                base += self.matte.eval_cos(wo, wi) * through;
+                let even = self.matte.even_part() * (i * (entering - 1.0));
+                base += (self.matte.eval_cos(wo, wi) + even).map(|c| c.max(0.0)) * through;
                 pdf += ways.matte * self.matte.pdf(wo, wi);
             }
         }
