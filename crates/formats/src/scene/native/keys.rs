@@ -59,7 +59,7 @@ pub(super) const OPACITY: &[&str] =
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type", "single_sided"];
 pub(super) const EMISSION: &[&str] =
-    &["radiance", "power", "strength", "two_sided", "texture", "image"];
+    &["radiance", "power", "strength", "two_sided", "texture", "image", "vertex_colors"];
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map", "bump_map"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];

@@ -188,6 +188,7 @@ pub(super) fn scalar_input<'d>(
     }
     let table = value.table("a textured number")?;
     table.only(&[keys::SCALAR_INPUT])?;
+    table.either(["texture", "image"])?;
     let texture = texture_of(&table, owner, Encoding::Linear, draft)?;
     let channel = table.or("channel", |v| v.one_of("channel", CHANNELS), Channel::Red)?;
     let factor = table.or("factor", Value::number, 1.0)?;
