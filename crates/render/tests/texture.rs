@@ -14,7 +14,7 @@ use rutilant::material::{
     Bumps, Emission, Material, MaterialKind, Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode,
     Principled, PrincipledTextures,
 };
-use rutilant::scene::{Scene, TextureId};
+use rutilant::scene::{MaterialId, Scene, TextureId};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::texture::{
@@ -151,6 +151,35 @@ fn no_surface_makes_light() {
         }
     }
     assert_eq!(Prepared::new(&scene).unwrap().report().notes, notes);
+}
+
+/// A channel's inverse is what it lacks to 1: a veil by it lets through what one by the channel stops.
+#[test]
+fn channels_have_inverses() {
+    let channels = [
+        (Channel::Red, Channel::InverseRed, 0.2),
+        (Channel::Green, Channel::InverseGreen, 0.4),
+        (Channel::Blue, Channel::InverseBlue, 0.7),
+        (Channel::Alpha, Channel::InverseAlpha, 0.9),
+    ];
+    for (channel, inverse, value) in channels {
+        for (channel, there) in [(channel, value), (inverse, 1.0 - value)] {
+            let mut scene = scene();
+            let texels = Texels::Float(vec![0.2, 0.4, 0.7, 0.9]);
+            let bitmap = scene.add_bitmap(Bitmap::new(1, 1, 4, texels).unwrap());
+            let texture = Some((scene.add_texture(ImageTexture::new(bitmap)), channel));
+            let amount = ScalarInput { factor: 1.0, texture };
+            for (cutoff, seen) in [(there - 1e-3, 0.0), (there + 1e-3, 1.0)] {
+                let mode = OpacityMode::Mask { cutoff };
+                let opacity = Some(Opacity { amount, vertex_colors: false, mode });
+                let black = Material { opacity, ..Material::new(MaterialKind::Black) };
+                scene.materials = vec![black];
+                scene.objects = vec![Object::new(SQUARE, MaterialId(0))];
+                let (value, _) = mean(&picture(&scene), "G");
+                assert!((value - seen).abs() < 1e-6, "{channel:?} {cutoff}: {value}");
+            }
+        }
+    }
 }
 
 /// What a material has no texture for is told at the key that names it.

@@ -62,12 +62,25 @@ fn texel(scene: &Scene, id: rutilant::scene::TextureId) -> (Vec<u8>, Encoding) {
 fn what_is_not_shown_is_told() {
     let mut builder = Builder::triangle();
     let image = picture(&mut builder, [255; 4]);
-    let gloss = json!({"specularGlossinessTexture": {"index": image}});
-    let extensions = json!({"KHR_materials_pbrSpecularGlossiness": gloss});
-    let primitive = json!({"attributes": {"POSITION": 0}, "material": 0});
-    builder.json["meshes"] = json!([{"primitives": [primitive]}]);
-    builder.push("materials", json!({"name": "old", "extensions": extensions}));
-    let notes = sound(&builder).notes;
+    let primitive = |material| json!({"attributes": {"POSITION": 0}, "material": material});
+    builder.json["meshes"] = json!([{"primitives": [primitive(0), primitive(1)]}]);
+    for (name, factor) in [("old", 0.5), ("glossy", 1.0)] {
+        let gloss = json!({
+            "glossinessFactor": factor, "specularGlossinessTexture": {"index": image}
+        });
+        let extensions = json!({"KHR_materials_pbrSpecularGlossiness": gloss});
+        builder.push("materials", json!({"name": name, "extensions": extensions}));
+    }
+    let loaded = sound(&builder);
+    let old = principled(&loaded.scene.materials[0]);
+    assert_eq!((old.roughness, old.textures.roughness), (0.5, None));
+    // Where the picture says all, it is told as what gloss lacks to 1.
+    let glossy = principled(&loaded.scene.materials[1]);
+    let (texture, channel) = glossy.textures.roughness.expect("a picture");
+    assert_eq!((glossy.roughness, channel), (1.0, Channel::InverseAlpha));
+    assert_eq!(texel(&loaded.scene, texture), (vec![255; 4], Encoding::Linear));
+    let notes = loaded.notes;
+    assert!(!notes.iter().any(|note| note.contains("glossy")), "{notes:?}");
     let expected =
         "a.glb: material \"old\": the gloss in its specularGlossinessTexture is left out";
     assert!(notes.iter().any(|note| note == expected), "{notes:?}");

@@ -320,9 +320,6 @@ impl<'d> Maker<'d> {
         };
         // An index of 0 stands for one that reflects everything but for the specular colour.
         let ior = if written.ior == 0.0 { MAX_IOR } else { written.ior.clamp(1.0, MAX_IOR) };
-        if written.specular_glossiness.as_ref().is_some_and(|gloss| gloss.texture.is_some()) {
-            self.leave_out(written, "the gloss in its specularGlossinessTexture");
-        }
         let specular_color = Rgb(written.specular.color.map(|c| c.min(MAX_SPECULAR_COLOR)));
         let mut made = Principled {
             base_color,
@@ -335,6 +332,17 @@ impl<'d> Maker<'d> {
             textures: of,
             ..Principled::default()
         };
+        if let Some((gloss, texture)) =
+            written.specular_glossiness.and_then(|s| Some((s, s.texture?)))
+        {
+            // Roughness is 1 − g f for gloss g from the picture: a product only where f is 1.
+            if gloss.glossiness == 1.0 {
+                made.roughness = 1.0;
+                made.textures.roughness = self.scalar(Some(&texture), Channel::InverseAlpha);
+            } else {
+                self.leave_out(written, "the gloss in its specularGlossinessTexture");
+            }
+        }
         if let Some(transmission) = &written.transmission {
             made.transmission = transmission.factor;
             made.textures.transmission = self.scalar(transmission.texture.as_ref(), Channel::Red);

@@ -54,6 +54,10 @@ const CHANNELS: &[(&str, Channel)] = &[
     ("green", Channel::Green),
     ("blue", Channel::Blue),
     ("alpha", Channel::Alpha),
+    ("inverse-red", Channel::InverseRed),
+    ("inverse-green", Channel::InverseGreen),
+    ("inverse-blue", Channel::InverseBlue),
+    ("inverse-alpha", Channel::InverseAlpha),
 ];
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
