@@ -142,8 +142,6 @@ fn ways_to_see(entry: &Entry) -> impl Iterator<Item = &str> {
 /// its picture, a display curve or a camera that is no longer what it was, show here.
 #[test]
 fn scenes_look_like_their_pictures() {
-    /// Samples for each of the few pixels.
-    const SPP: &str = "128";
     let mut skipped = vec![];
     let mut before: Option<(tempfile::TempDir, String)> = None;
     for entry in entries() {
@@ -152,13 +150,15 @@ fn scenes_look_like_their_pictures() {
             continue;
         };
         let stored = image::read(&entry.picture, &Limits::default()).expect("the stored picture");
-        let small = smaller(&stored, if stored.width() < 400 { 4 } else { 8 });
+        // By how much smaller, and with how many samples for each of the few pixels.
+        let (by, spp) = if stored.width() < 400 { (4, "32") } else { (8, "128") };
+        let small = smaller(&stored, by);
         let reference = stage.path().join("reference.exr");
         let size = format!("{}x{}", small.width(), small.height());
         image::write(&reference, Pixels::Light(&small), &Default::default()).expect("a file");
 
         let picture = stage.path().join("picture.png");
-        let mut arguments = vec![text(&scene), "--size", &size, "--spp", SPP, "--quiet"];
+        let mut arguments = vec![text(&scene), "--size", &size, "--spp", spp, "--quiet"];
         arguments.extend(["-o", text(&picture)].into_iter().chain(ways_to_see(&entry)));
         rutilant(&arguments);
         let ssim = compared(&picture, &reference, "ssim");

@@ -225,7 +225,7 @@ fn gloss_holes_and_heights_are_painted() {
         (&*library.pictures[texture.bitmap.0 as usize].name, texture.encoding)
     };
     let layers = |name: &str| match &named(name).kind {
-        MaterialKind::Principled(layers) => (**layers).clone(),
+        MaterialKind::Principled(layers) => **layers,
         other => panic!("{other:?}"),
     };
     for (name, expected, roughness) in [
