@@ -34,7 +34,8 @@ pub(crate) struct Reading {
     #[arg(long, value_name = "NAME", help_heading = READING)]
     pub variant: Option<String>,
     /// Show the first animation at this time (glTF)
-    #[arg(long, value_name = "SECONDS", help_heading = READING, allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", help_heading = READING, allow_hyphen_values = true,
+          value_parser = options::finite)]
     pub at_time: Option<f32>,
     /// See the scene by the camera of this name, not by the first one; "auto" is one that sees
     /// everything

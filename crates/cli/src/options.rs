@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::geom::{BuildOptions, Quality, Simd};
+use rutilant::scene::MOST_LIGHT;
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
 use rutilant_formats::{CameraChoice, Limits, SkyChoice};
 use std::time::Duration;
@@ -130,6 +131,9 @@ pub(crate) fn sky(text: &str) -> Result<SkyChoice, String> {
         Ok(_) => return Err("write a radiance as one number or three, like 0.8,0.9,1".to_owned()),
         Err(_) => return Ok(SkyChoice::Picture(text.into())),
     };
+    if radiance.0.iter().any(|c| !(0.0..=MOST_LIGHT).contains(c)) {
+        return Err(format!("a radiance must lie between 0 and {MOST_LIGHT:e}"));
+    }
     Ok(SkyChoice::Even(radiance))
 }
 
@@ -383,6 +387,18 @@ mod tests {
             "pixels=99999999999G",
         ] {
             assert!(limit(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    /// A radiance that is none is refused here, where the option can be blamed for it.
+    #[test]
+    fn skies_are_light_or_pictures() {
+        assert_eq!(sky("none"), Ok(SkyChoice::None));
+        assert_eq!(sky("0.5"), Ok(SkyChoice::Even(Rgb::grey(0.5))));
+        assert_eq!(sky("0, 1e18,2"), Ok(SkyChoice::Even(Rgb::new(0.0, 1e18, 2.0))));
+        assert_eq!(sky("nan.hdr"), Ok(SkyChoice::Picture("nan.hdr".into())));
+        for wrong in ["nan", "inf", "-1", "1,2", "1,nan,1", "1,1,-inf", "2e18"] {
+            assert!(sky(wrong).is_err(), "{wrong}");
         }
     }
 

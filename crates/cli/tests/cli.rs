@@ -548,6 +548,11 @@ fn another_sky_is_asked_for() {
         ("1,2", "write a radiance as one number or three, like 0.8,0.9,1"),
         ("gone.hdr", "gone.hdr: "),
         ("sky.toml", "sky.toml: "),
+        ("nan", "'nan' for '--environment"),
+        ("1,inf,1", "a radiance must lie between 0 and 1e18"),
+        ("1 --at-time nan", "'nan' for '--at-time"),
+        ("1 --at-time -inf", "'-inf' for '--at-time"),
+        ("1 --variant red", "sky.toml: no variant \"red\": only glTF files have variants"),
     ] {
         let ran = desk.run(&format!("sky.toml --environment {asked}"));
         assert_eq!(ran.status, 2, "{}", ran.error);

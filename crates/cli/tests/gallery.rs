@@ -1,7 +1,7 @@
-//! The pictures of the gallery are what its commands make.
+//! The pictures of the gallery, and those of docs/gltf.md, are what their commands make.
 //!
-//! Quickly: every scene at an eighth of its size, against the stored picture made smaller. At
-//! length, every command as it stands, its pictures left in `target/gallery`:
+//! Quickly: every scene at an eighth of its size (small ones at a quarter), against the stored picture
+//! made smaller. At length, every command as it stands, its pictures left in `target/gallery`:
 //!
 //! ```text
 //! cargo test --release -p rutilant-cli --test gallery -- --ignored --nocapture
@@ -17,7 +17,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// One picture of the gallery, as its command in docs/gallery/README.md says.
+/// One picture, as its command says.
 struct Entry {
     scene: String,
     /// The options, without `-o`.
@@ -29,10 +29,17 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
 }
 
-/// All commands of the gallery's page.
+/// Pages with commands, the folders of their pictures, and how many bytes one may have.
+const PAGES: [(&str, &str, u64); 2] =
+    [("docs/gallery/README.md", "docs/gallery", 300_000), ("docs/gltf.md", "docs/gltf", 20_000)];
+
+/// All commands of all pages.
 fn entries() -> Vec<Entry> {
-    let gallery = root().join("docs/gallery");
-    let page = fs::read_to_string(gallery.join("README.md")).expect("the gallery's page");
+    PAGES.into_iter().flat_map(|(page, folder, _)| entries_of(page, folder)).collect()
+}
+
+fn entries_of(page: &str, folder: &str) -> Vec<Entry> {
+    let page = fs::read_to_string(root().join(page)).expect("the page");
     let commands = page.lines().filter_map(|line| line.strip_prefix("rutilant "));
     commands
         .map(|command| {
@@ -44,26 +51,29 @@ fn entries() -> Vec<Entry> {
             Entry {
                 scene: (*scene).to_owned(),
                 options: options.iter().map(|w| (*w).to_owned()).collect(),
-                picture: gallery.join(picture),
+                picture: root().join(folder).join(picture),
             }
         })
         .collect()
 }
 
-/// Every picture in the folder has its command, and none is larger than 300 kB.
+/// Every picture in the folders has its command, and none is too large.
 #[test]
 fn every_picture_has_its_command() {
-    let entries = entries();
-    let mut pictures = 0;
-    for file in fs::read_dir(root().join("docs/gallery")).expect("the gallery") {
-        let path = file.expect("an entry").path();
-        if path.extension().is_some_and(|e| e == "jpg") {
-            assert!(entries.iter().any(|e| e.picture == path), "{} has no command", path.display());
-            assert!(fs::metadata(&path).expect("a file").len() < 300_000, "{}", path.display());
-            pictures += 1;
+    for (page, folder, most) in PAGES {
+        let entries = entries_of(page, folder);
+        let mut pictures = 0;
+        for file in fs::read_dir(root().join(folder)).expect("a folder") {
+            let path = file.expect("an entry").path();
+            if path.extension().is_some_and(|e| e == "jpg") {
+                let shown = path.display();
+                assert!(entries.iter().any(|e| e.picture == path), "{shown} has no command");
+                assert!(fs::metadata(&path).expect("a file").len() < most, "{shown}");
+                pictures += 1;
+            }
         }
+        assert_eq!(pictures, entries.len(), "{page}");
     }
-    assert_eq!(pictures, entries.len());
 }
 
 /// A place where the scene's meshes are, or `None` where there are none.
@@ -78,7 +88,10 @@ fn stage(entry: &Entry) -> Option<(tempfile::TempDir, PathBuf)> {
             .then(|| rest.split('"').nth(1))
             .flatten()
     });
-    for file in file_keys {
+    // A document's buffers that are files.
+    let uris = text.split("\"uri\": \"").skip(1).filter_map(|rest| rest.split('"').next());
+    let uris = uris.filter(|uri| !uri.starts_with("data:"));
+    for file in file_keys.chain(uris) {
         let (shipped, to) = (folder.join(file), stage.path().join(file));
         fs::create_dir_all(to.parent().expect("a folder")).expect("a folder");
         let from = if shipped.exists() { shipped } else { elsewhere(file)? };
@@ -118,12 +131,17 @@ fn compared(picture: &Path, reference: &Path, number: &str) -> f64 {
     json[number].as_f64().expect("a number")
 }
 
-/// Every scene at an eighth of its size looks like its picture. A scene that was changed without
+/// What a command says of a scene beside the size and the samples of its picture.
+fn ways_to_see(entry: &Entry) -> impl Iterator<Item = &str> {
+    let pairs = entry.options.as_chunks::<2>().0.iter();
+    let kept = pairs.filter(|[name, _]| !["--size", "--spp"].contains(&&**name));
+    kept.flatten().map(String::as_str)
+}
+
+/// Every scene at an eighth or a quarter of its size looks like its picture. A scene that was changed without
 /// its picture, a display curve or a camera that is no longer what it was, show here.
 #[test]
 fn scenes_look_like_their_pictures() {
-    /// Samples for each of the few pixels.
-    const SPP: &str = "128";
     let mut skipped = vec![];
     let mut before: Option<(tempfile::TempDir, String)> = None;
     for entry in entries() {
@@ -132,13 +150,17 @@ fn scenes_look_like_their_pictures() {
             continue;
         };
         let stored = image::read(&entry.picture, &Limits::default()).expect("the stored picture");
-        let small = eighth(&stored);
+        // By how much smaller, and with how many samples for each of the few pixels.
+        let (by, spp) = if stored.width() < 400 { (4, "32") } else { (8, "128") };
+        let small = smaller(&stored, by);
         let reference = stage.path().join("reference.exr");
         let size = format!("{}x{}", small.width(), small.height());
         image::write(&reference, Pixels::Light(&small), &Default::default()).expect("a file");
 
         let picture = stage.path().join("picture.png");
-        rutilant(&[text(&scene), "--size", &size, "--spp", SPP, "-o", text(&picture), "--quiet"]);
+        let mut arguments = vec![text(&scene), "--size", &size, "--spp", spp, "--quiet"];
+        arguments.extend(["-o", text(&picture)].into_iter().chain(ways_to_see(&entry)));
+        rutilant(&arguments);
         let ssim = compared(&picture, &reference, "ssim");
         println!("{}: SSIM {ssim:.4}", entry.scene);
         // What is missing is noise; another picture has far less in common with it.
@@ -200,15 +222,16 @@ fn seven_spheres_are_those_of_another_renderer() {
     assert!(bias.abs() < 0.002, "bias {bias}");
 }
 
-/// The mean light of every eight by eight pixels.
-fn eighth(image: &Image) -> Image {
-    let (width, height) = (image.width() / 8, image.height() / 8);
+/// The mean light of every `by` times `by` pixels.
+fn smaller(image: &Image, by: u32) -> Image {
+    let (width, height) = (image.width() / by, image.height() / by);
     let colors = image.rgb().expect("colours");
     let mean = |x: u32, y: u32| {
         let mut sum = [0.0_f32; 3];
-        for place in (0..64).map(|i| (8 * y + i / 8) * image.width() + 8 * x + i % 8) {
+        let places = (0..by * by).map(|i| (by * y + i / by) * image.width() + by * x + i % by);
+        for place in places {
             for (sum, c) in sum.iter_mut().zip(colors[place as usize]) {
-                *sum += c / 64.0;
+                *sum += c / (by * by) as f32;
             }
         }
         sum

@@ -3,6 +3,7 @@
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::replace::replace_file;
+use crate::shown::shown;
 use std::borrow::Cow;
 use std::fs;
 use std::io;
@@ -58,9 +59,14 @@ impl Converted {
     /// away again.
     ///
     /// # Errors
-    /// A file that is there already, unless `overwrite`: then nothing is written. A disk that does
-    /// not take a file ([`SceneErrorKind::Io`]).
+    /// A file that is there already, unless `overwrite`, and an asset whose name is none, which
+    /// [`convert`](crate::convert) never gives: then nothing is written. A disk that does not take a
+    /// file ([`SceneErrorKind::Io`]).
     pub fn write(&self, to: &Path, overwrite: bool) -> Result<Vec<PathBuf>, SceneError> {
+        if let Some(asset) = self.assets.iter().find(|asset| !is_plain(&asset.name)) {
+            let what = format!("\"{}\" is no name of a file beside the scene", shown(&asset.name));
+            return Err(SceneError::invalid_file(to, what));
+        }
         let folder = file::folder(to);
         let beside = to.parent().unwrap_or(Path::new(""));
         let paths = self.assets.iter().map(|asset| beside.join(&asset.name));
@@ -90,6 +96,13 @@ impl Converted {
         }
         Ok(paths)
     }
+}
+
+/// Whether a name is that of a file in the scene's folder, or in one folder of that, on every system.
+fn is_plain(name: &str) -> bool {
+    let odd = |c: char| c.is_control() || matches!(c, '\\' | ':');
+    let sound = |part: &str| !part.is_empty() && part != "." && part != ".." && !part.contains(odd);
+    name.split('/').count() <= 2 && name.split('/').all(sound)
 }
 
 /// What was not there before.

@@ -41,11 +41,11 @@ type SceneReader = fn(&Path, &ReadOptions<'_>) -> Result<LoadedScene, SceneError
 
 /// Every kind of scene file, by its extension.
 const SCENES: &[(&str, SceneReader)] = &[
-    ("toml", scene::native::read),
+    ("toml", |path, options| scene::native::read(path, options)?.without_variants(path, options)),
     ("gltf", scene::gltf::scene::read),
     ("glb", scene::gltf::scene::read),
-    ("obj", scene::bare::read),
-    ("ply", scene::bare::read),
+    ("obj", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
+    ("ply", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
 ];
 
 /// Reads the scene in a file of any kind that is known by its extension.
@@ -91,7 +91,8 @@ pub fn parse_native(
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
-    scene::native::parse(text, file, options)?.under(file, options)
+    let loaded = scene::native::parse(text, file, options)?;
+    loaded.without_variants(file, options)?.under(file, options)
 }
 
 /// The text of a native scene with another look: only values that differ are changed, all else

@@ -20,10 +20,11 @@ pub struct ReadOptions<'a> {
     /// Whether a picture of a texture that is missing or cannot be read is an error; else it is
     /// magenta, with a note.
     pub strict: bool,
-    /// The name of the variant whose materials are shown, of a glTF file that has some.
+    /// The name of the variant whose materials are shown, of a glTF file that has some; for others it
+    /// is an error.
     pub variant: Option<&'a str>,
     /// The time, in seconds, of the first animation of a glTF file at which all stands; where no
-    /// animation has moved it if `None`.
+    /// animation has moved it if `None`. Where there is none, a note says so.
     pub at_time: Option<f32>,
     /// Which camera sees the scene.
     pub camera: &'a CameraChoice,

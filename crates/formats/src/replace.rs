@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 /// same folder, brought to the disk, and renamed. A symbolic link stays one.
 ///
 /// # Errors
-/// A folder that is not there or takes no files, a file that is read-only or not a regular one.
+/// A folder that is not there or takes no files, a file that is read-only or not a regular one, a
+/// symbolic link to nothing.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = target(path)?;
     let mut new = temporary(&target)?;
@@ -31,6 +32,11 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
 pub(crate) fn target(path: &Path) -> io::Result<PathBuf> {
     let target = match path.canonicalize() {
         Ok(there) => there,
+        // It would not stay a link, and where it leads nobody has looked.
+        Err(e) if e.kind() == io::ErrorKind::NotFound && path.is_symlink() => {
+            let what = "this is a symbolic link to a file that is not there";
+            return Err(io::Error::new(io::ErrorKind::NotFound, what));
+        }
         // What hinders it beyond that, the folder will show.
         Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
             return Ok(path.to_owned());

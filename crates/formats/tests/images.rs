@@ -702,6 +702,12 @@ fn rights_and_links_survive() {
     write(&at("link.exr"), &light, &options).expect("written");
     assert_eq!(mode("new.exr"), 0o640);
     assert!(fs::symlink_metadata(at("link.exr")).expect("there").is_symlink());
+    // Also where it leads to nothing: then nothing is written.
+    symlink(at("gone.exr"), at("dangling.exr")).expect("linked");
+    assert!(check_writable(&at("dangling.exr")).is_err());
+    assert!(write(&at("dangling.exr"), &light, &options).is_err());
+    assert!(fs::symlink_metadata(at("dangling.exr")).expect("there").is_symlink());
+    assert!(!at("gone.exr").exists());
 
     fs::create_dir(at("closed")).expect("made");
     fs::set_permissions(at("closed"), fs::Permissions::from_mode(0o555)).expect("set");

@@ -3,12 +3,15 @@
 //! Single statements, notes and errors are in `obj.rs`.
 
 use rutilant::color::Rgb;
-use rutilant::material::{Absorption, EmittedLight, Material, MaterialKind, Opacity, OpacityMode};
+use rutilant::material::{
+    Absorption, Bumps, EmittedLight, Material, MaterialKind, Opacity, OpacityMode,
+};
 use rutilant::scene::TextureId;
 use rutilant::texture::{Channel, Encoding};
 use rutilant::{Prepared, Session};
 use rutilant_formats::scene::mtl;
 use rutilant_formats::{Limits, ReadOptions, read_scene};
+use rutilant_geom::Vec2;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -152,8 +155,7 @@ const GOLDEN: &[(&str, &str, &[&str])] = &[
          \tmap_Kd maps\\wood floor.jpg\n\tmap_bump -bm 0.3 -s 2 2 wood b.jpg\n\
          \tbump wood b.jpg\n\trefl -type sphere -mm 0 1 clouds.mpc\n",
         "_Material #25: matte 0.588 0.588 0.588\n",
-        &["a.mtl:14: textures of other kinds are not read: 3 (bump, map_bump, refl; \
-           first \"wood b.jpg\")"],
+        &["a.mtl:16: textures of other kinds are not read: 1 (refl; first \"clouds.mpc\")"],
     ),
     // How light goes through: d and Tr are one thing, and illum another word for it.
     (
@@ -180,6 +182,17 @@ const GOLDEN: &[(&str, &str, &[&str])] = &[
          eight: metal 0.5 0.5 0.5, rough 1\n",
         &[],
     ),
+    // Highlights of 1990: without any Ni, Ks times 8 / (Ns + 2), 0.04 at least and 1 at most.
+    // roof: 0.45 · 8/34 = 0.106, 0.588 / (1 − 0.106) = 0.658, (2/34)^¼ = 0.492. sharp: 0.5 · 0.04.
+    (
+        "newmtl roof\nillum 2\nKd .588\nKs .45\nNs 32\nnewmtl sharp\nKd .5\nKs .5\nNs 1000\n\
+         newmtl wide\nKd .5\nKs .5\nNs 2\nnewmtl steel\nKd 0\nKs .9\nNs 32\n",
+        "roof: mix 0.106\n  part: matte 0.658 0.658 0.658\n  part: metal 1 1 1, rough 0.492\n\
+         sharp: mix 0.02\n  part: matte 0.51 0.51 0.51\n  part: metal 1 1 1, rough 0.211\n\
+         wide: mix 0.5\n  part: matte 1 1 1\n  part: metal 1 1 1, rough 0.841\n\
+         steel: metal 0.9 0.9 0.9, rough 0.492\n",
+        &[],
+    ),
 ];
 
 #[test]
@@ -190,6 +203,70 @@ fn materials_become_what_was_worked_out() {
         assert_eq!(dump(&library.materials), *expected, "{text}");
         assert_eq!(library.notes, *notes, "{text}");
     }
+}
+
+/// Pictures of gloss, of what is not there, and of heights. A gloss that is painted is that of layers of
+/// index 1.5, or of Ni, which reflect Ks (times 0.04 or 8/34) where the picture is white.
+#[test]
+fn gloss_holes_and_heights_are_painted() {
+    let text = "newmtl varnish\nKd .5\nKs .5 .25 0\nNs 32\nNi 1.5\nmap_Ks a.png\nmap_Kd b.png\n\
+                newmtl bare\nKd .5\nNs 32\nmap_Ks a.png\n\
+                newmtl mirror\nKd .2\nKs .3\nillum 5\nmap_Ks a.png\n\
+                newmtl dull\nKd .5\nillum 1\nNs 9\nmap_Ks a.png\n\
+                newmtl leaf\nTr 1\nmap_Tr c.png\n\
+                newmtl veil\nd .5\nmap_Kd b.png\nmap_Tr b.png\n\
+                newmtl bumpy\nmap_bump -s 2 2 -bm 0.03 c.png\n\
+                newmtl bumps\nbump c.png\n\
+                newmtl both\nnorm a.png\nmap_Bump -bm 2 c.png\n";
+    let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl")).expect("materials");
+    let named = |name: &str| library.materials.iter().find(|m| m.name == name).expect("it");
+    let file = |id: TextureId| {
+        let texture = &library.textures[id.0 as usize];
+        (&*library.pictures[texture.bitmap.0 as usize].name, texture.encoding)
+    };
+    let layers = |name: &str| match &named(name).kind {
+        MaterialKind::Principled(layers) => **layers,
+        other => panic!("{other:?}"),
+    };
+    for (name, expected, roughness) in [
+        ("varnish", [0.5, 0.25, 0.0], 0.492),
+        ("bare", [8.0 / 34.0 / 0.04; 3], 0.492),
+        ("mirror", [0.3 / 0.04; 3], 0.0),
+    ] {
+        let layers = layers(name);
+        let picture = layers.textures.specular_color.expect("a picture");
+        assert_eq!(file(picture), ("a.png", Encoding::Srgb));
+        assert!((layers.roughness - roughness).abs() < 1e-3 && layers.ior == 1.5, "{name}");
+        for (found, expected) in layers.specular_color.0.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-4 * expected.max(1.0), "{name}: {found}");
+        }
+    }
+    let painted = layers("varnish").textures.base_color.expect("a picture");
+    assert_eq!(file(painted), ("b.png", Encoding::Srgb));
+    assert!(matches!(named("dull").kind, MaterialKind::Matte(_)));
+
+    for (name, picture, channel, factor) in
+        [("leaf", "c.png", Channel::InverseRed, 1.0), ("veil", "b.png", Channel::InverseAlpha, 0.5)]
+    {
+        let amount = named(name).opacity.expect("holes").amount;
+        let (texture, of) = amount.texture.expect("a picture");
+        assert_eq!((file(texture), of), ((picture, Encoding::Linear), channel), "{name}");
+        assert_eq!(amount.factor, factor, "{name}");
+        assert!(matches!(named(name).kind, MaterialKind::Matte(_)), "{name} is no glass");
+    }
+
+    for (name, picture, scale, shows) in [
+        ("bumpy", "c.png", 0.03, Bumps::Heights),
+        ("bumps", "c.png", 1.0, Bumps::Heights),
+        ("both", "a.png", 1.0, Bumps::Normals),
+    ] {
+        let map = named(name).normal_map.expect("bumps");
+        assert_eq!((map.scale, map.shows), (scale, shows), "{name}");
+        assert_eq!(file(map.texture), (picture, Encoding::Linear), "{name}");
+    }
+    let bumpy = named("bumpy").normal_map.expect("bumps").texture;
+    assert_eq!(library.textures[bumpy.0 as usize].mapping.scale, Vec2::splat(2.0));
+    assert_eq!(library.notes, ["a.mtl:33: material \"both\": bump is left out beside norm"]);
 }
 
 /// No material sends back more than it gets, in any channel, whatever Kd and Ks are.

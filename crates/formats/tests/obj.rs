@@ -409,9 +409,9 @@ fn changes_to_materials_are_noted() {
         ),
         ("d -halo 0.5", glass(1.5, None), "a.mtl:2: \"d -halo\" is not read"),
         (
-            "map_Ks -s 1 1 1 a b.png\nmap_Ks c.png",
+            "map_Ns -s 1 1 1 a b.png\nmap_Ns c.png",
             matte(0.8, 0.8, 0.8),
-            "a.mtl:2: textures of other kinds are not read: 2 (map_Ks; first \"a b.png\")",
+            "a.mtl:2: textures of other kinds are not read: 2 (map_Ns; first \"a b.png\")",
         ),
         (
             "newmtl m\nKd 0",

@@ -270,6 +270,10 @@ fn mistakes_are_told() {
             "scene.toml:12:23: channel needs a texture or an image",
         ),
         (
+            material("0.5") + "[[material]]\nname = \"p\"\ntype = \"principled\"\nroughness = {}\n",
+            "scene.toml:15:13: a textured number needs \"texture\" or \"image\"",
+        ),
+        (
             texture("type = \"checker\"\nfirst = -1"),
             "scene.toml:8:9: first is -1, but must lie between 0 and 1e18",
         ),
@@ -281,6 +285,19 @@ fn mistakes_are_told() {
         let error = load(folder.path(), &text, &ReadOptions::default()).expect_err(&text);
         assert_eq!(error, expected);
     }
+}
+
+/// Variants and times belong to glTF files: others say so instead of showing what was not asked for.
+#[test]
+fn variants_and_times_are_of_documents() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let red = ReadOptions { variant: Some("red"), ..ReadOptions::default() };
+    let error = load(folder.path(), "", &red).expect_err("no variants");
+    assert_eq!(error, "scene.toml: no variant \"red\": only glTF files have variants");
+    let later = ReadOptions { at_time: Some(2.0), ..ReadOptions::default() };
+    let notes = load(folder.path(), "", &later).expect("a scene").notes;
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].ends_with("scene.toml: nothing in it moves, whatever time is asked for"));
 }
 
 /// All pictures together may take so much and no more; each may have so many pixels.

@@ -76,8 +76,8 @@ fn scene(custom: bool, ranked: bool) -> Scene {
     let lamp = scene.add_material(Emission::radiance(Rgb::new(4.0, 3.0, 2.0)));
     let spread = scene.add_material(Emission {
         light: EmittedLight::Power(Rgb::grey(6.0)),
-        texture: None,
         two_sided: true,
+        ..Emission::radiance(Rgb::WHITE)
     });
     let chart = Material {
         kind: MaterialKind::Custom(Arc::new(Chart)),

@@ -568,7 +568,8 @@ fn power_is_what_was_asked_for() {
         ] {
             let mut scene = empty();
             let light = EmittedLight::Power(Rgb::new(60.0, 50.0, 40.0));
-            let lamp = scene.add_material(Emission { light, texture: None, two_sided });
+            let lamp =
+                scene.add_material(Emission { light, two_sided, ..Emission::radiance(Rgb::WHITE) });
             scene.objects.push(
                 Object::new(shape.clone(), lamp).transformed(&Transform::scale(Vec3::splat(3.0))),
             );

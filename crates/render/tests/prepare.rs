@@ -155,7 +155,7 @@ fn broken_triangles_are_left_out_and_counted() {
     mesh.triangles.extend([[0, 1, 8], [9, 2, 3], [4, 4, 5], [7, 10, 7]]);
     let mut scene = scene();
     let glow = rutilant::material::EmittedLight::Power(Rgb::grey(6.0));
-    let lamp = scene.add_material(Emission { light: glow, texture: None, two_sided: false });
+    let lamp = scene.add_material(Emission { light: glow, ..Emission::radiance(Rgb::WHITE) });
     let id = scene.add_mesh(mesh);
     scene.objects.push(Object::new(Shape::Mesh(id), lamp));
     let prepared = Prepared::new(&scene).unwrap();
@@ -261,7 +261,7 @@ fn unsound_scenes_are_refused_by_name() {
 fn darkness_is_announced() {
     let mut scene = scene();
     let power = rutilant::material::EmittedLight::Power(Rgb::WHITE);
-    let lamp = scene.add_material(Emission { light: power, texture: None, two_sided: false });
+    let lamp = scene.add_material(Emission { light: power, ..Emission::radiance(Rgb::WHITE) });
     scene.objects.push(Object::new(Shape::Sphere { radius: 1e-30 }, lamp));
     let notes = Prepared::new(&scene).unwrap().report().notes.clone();
     let lamp = "object 0: a lamp of 1.257e-59 m² that gives no light";

@@ -66,6 +66,22 @@ impl LoadedScene {
 }
 
 impl LoadedScene {
+    /// The same scene, which was read from `file`: of a format that has neither variants nor animations.
+    pub(crate) fn without_variants(
+        mut self,
+        file: &Path,
+        options: &ReadOptions<'_>,
+    ) -> Result<Self, SceneError> {
+        if let Some(name) = options.variant {
+            let what = format!("no variant \"{}\": only glTF files have variants", shown(name));
+            return Err(SceneError::invalid_file(file, what));
+        }
+        if options.at_time.is_some() {
+            self.notes.push(format!("{}: {NOTHING_MOVES}", file.display()));
+        }
+        Ok(self)
+    }
+
     /// The same scene, which was read from `file`, under the sky that is asked for.
     pub(crate) fn under(
         mut self,
@@ -92,12 +108,20 @@ impl LoadedScene {
         self.lines.remove(&Place::Environment);
         self.scene.validate().map_err(|problem| {
             // All else was as it should be before.
-            let of = if let SkyChoice::Picture(path) = options.sky { path } else { file };
-            SceneError::invalid_file(of, problem.what)
+            match options.sky {
+                SkyChoice::Picture(path) => SceneError::invalid_file(path, problem.what),
+                SkyChoice::Own | SkyChoice::None | SkyChoice::Even(_) => {
+                    let what = format!("the sky that is asked for: {}", problem.what);
+                    SceneError::invalid_file(file, what)
+                }
+            }
         })?;
         Ok(self)
     }
 }
+
+/// What is said where a time is asked for in vain.
+pub(super) const NOTHING_MOVES: &str = "nothing in it moves, whatever time is asked for";
 
 /// The number of the camera that `options` ask for by its name, or else of the first one.
 pub(super) fn camera_named(

@@ -15,21 +15,27 @@
 //! | besides, `Ke` not black                      | also gives that radiance, on its front |
 //! | besides, `map_Ke`                            | a picture by which `Ke` is multiplied; white where that is black or absent |
 //! | besides, `map_Pr`, `map_Pm`                  | pictures by which `Pr` and `Pm` are multiplied; 1 where those are absent or 0 |
+//! | besides, `map_Ks`                            | a picture by which the gloss of `Ks` is multiplied, which then is that of a principled material; white where `Ks` is black or absent |
 //! | besides, `map_d`                             | how much of the surface is there, times `d`, which then is none of glass |
+//! | besides, `map_Tr`                            | how much of it is not there |
 //! | besides, `norm`                              | a normal map |
+//! | besides, `bump`, `map_bump`                  | heights in metres of the world, times `-bm` (1 where absent); none beside `norm` |
 //!
 //! "Over" is a mix in which the gloss has the share of the brightest channel of
 //! its colour. Where `Kd` and the gloss would send back more than they get, both
 //! are dimmed. With `Ni` above 1 and `Kd` not dark, the gloss of the last but
 //! one row is that of a varnish: `Ks` times what such an index reflects, as
-//! exporters that write `Ks 0.5` for everything mean it.
+//! exporters that write `Ks 0.5` for everything mean it. Where there is no `Ni`
+//! at all, its highlight is as bright as the formula of 1990 makes it, against
+//! white matter under the same lamp: `Ks` times 8 / (Ns + 2), but no less than a
+//! varnish has. (Straight on GGX sends back R / (4 π α²), Phong's `Ks` / π.)
 //!
 //! `Ns` is the width of a highlight, never the share of a mirror: the α of a
 //! rough surface is √(2 / (Ns + 2)), and `roughness` the square root of that.
 //! `illum 4` alone is not believed where `Kd` is not dark, `d` is 1 and `Ni` is
 //! absent or up to 1: a widespread exporter writes so for every matte surface.
-//! Of the picture of a number red counts, and of `map_d` alpha where it is that of `map_Kd`. Other
-//! textures, heights of `bump` among them, are left out, with a note.
+//! Of the picture of a number red counts, and of `map_d` and `map_Tr` alpha where it is that of
+//! `map_Kd`. Other textures are left out, with a note.
 //!
 //! Source: Wavefront, *Advanced Visualizer Manual*, MTL material format, 1995;
 //! `Pr`, `Pm` and so on: Exocortex, *Extending Wavefront MTL to Support PBR*.
@@ -45,8 +51,8 @@ use crate::limits::Limits;
 use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
 use rutilant::material::{
-    Absorption, Bumps, Conductor, Dielectric, Emission, Material, MaterialKind, Matte, Mirror, Mix,
-    NormalMap, Opacity, OpacityMode, Principled, PrincipledTextures,
+    Absorption, Bumps, Conductor, Dielectric, Emission, MAX_SPECULAR_COLOR, Material, MaterialKind,
+    Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode, Principled, PrincipledTextures,
 };
 use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, TextureId};
 use rutilant::texture::{
@@ -127,8 +133,12 @@ struct Written {
     map_ke: Option<TextureId>,
     map_pr: Option<TextureId>,
     map_pm: Option<TextureId>,
+    map_ks: Option<TextureId>,
     map_d: Option<TextureId>,
+    map_tr: Option<TextureId>,
     norm: Option<TextureId>,
+    /// Heights, and the factor on them.
+    bump: Option<(TextureId, f32)>,
     ps: f32,
     pc: f32,
     pcr: f32,
@@ -261,6 +271,11 @@ impl<'a> Parser<'a> {
             b"map_Ke" => material.map_ke = self.picture(at, Encoding::Srgb).or(material.map_ke),
             b"map_Pr" => material.map_pr = self.picture(at, Encoding::Linear).or(material.map_pr),
             b"map_Pm" => material.map_pm = self.picture(at, Encoding::Linear).or(material.map_pm),
+            b"map_Ks" => material.map_ks = self.picture(at, Encoding::Srgb).or(material.map_ks),
+            b"map_Tr" => material.map_tr = self.picture(at, Encoding::Linear).or(material.map_tr),
+            b"bump" | b"map_bump" | b"map_Bump" => {
+                material.bump = self.scaled_picture(at, Encoding::Linear).or(material.bump);
+            }
             b"map_d" => material.map_d = self.picture(at, Encoding::Linear).or(material.map_d),
             b"norm" => material.norm = self.picture(at, Encoding::Linear).or(material.norm),
             _ if is_texture(keyword) => self.texture(keyword, at),
@@ -269,17 +284,19 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// The options before the name of a texture: where on it coordinates point, and what lies beyond
-    /// its edges. Nothing in them is an error.
-    fn options(&mut self) -> (UvMapping, Wrap) {
-        let (mut mapping, mut wrap) = (UvMapping::default(), Wrap::Repeat);
+    /// The options before the name of a texture: where on it coordinates point, what lies beyond its
+    /// edges, and the factor on its heights. Nothing in them is an error.
+    fn options(&mut self) -> (UvMapping, Wrap, f32) {
+        let (mut mapping, mut wrap, mut height) = (UvMapping::default(), Wrap::Repeat, 1.0);
         loop {
             let mut option = self.cursor;
             option.skip_blanks();
             let keyword = option.word();
-            let Some(values) = texture_option(keyword) else { return (mapping, wrap) };
+            let Some(values) = texture_option(keyword) else {
+                return (mapping, wrap, height);
+            };
             self.cursor = option;
-            let usual = if keyword == b"-s" { 1.0 } else { 0.0 };
+            let usual = if [&b"-s"[..], b"-bm"].contains(&keyword) { 1.0 } else { 0.0 };
             let mut numbers = [usual; 3];
             for (i, number) in numbers.iter_mut().enumerate().take(values as usize) {
                 let mut value = self.cursor;
@@ -302,6 +319,7 @@ impl<'a> Parser<'a> {
             match keyword {
                 b"-s" => mapping.scale = Vec2::new(u, v),
                 b"-o" => mapping.offset = Vec2::new(u, v),
+                b"-bm" => height = u,
                 _ => {}
             }
         }
@@ -309,7 +327,12 @@ impl<'a> Parser<'a> {
 
     /// Options and the name of a picture, as a texture; `None` without a name.
     fn picture(&mut self, at: usize, encoding: Encoding) -> Option<TextureId> {
-        let (mapping, wrap) = self.options();
+        self.scaled_picture(at, encoding).map(|(texture, _)| texture)
+    }
+
+    /// The same with the factor on its heights.
+    fn scaled_picture(&mut self, at: usize, encoding: Encoding) -> Option<(TextureId, f32)> {
+        let (mapping, wrap, height) = self.options();
         let name = self.cursor.name();
         // Some exporters write the statement where there is no texture.
         if name.is_empty() {
@@ -328,7 +351,7 @@ impl<'a> Parser<'a> {
         if known.is_none() {
             textures.push(texture);
         }
-        Some(id)
+        Some((id, height))
     }
 
     /// Options and the name of a texture that nobody uses.
@@ -411,7 +434,8 @@ impl<'a> Parser<'a> {
         let dark_kd = written.kd.is_none_or(|kd| brightest(Rgb(kd)) <= DARK);
         let refracts = written.ni.is_some_and(|ni| ni > 1.0);
 
-        let clear = dissolve < 1.0 && written.map_d.is_none()
+        let has_holes = written.map_d.is_some() || written.map_tr.is_some();
+        let clear = dissolve < 1.0 && !has_holes
             || [6.0, 7.0, 9.0].contains(&illum)
             || (illum == 4.0 && (refracts || dark_kd));
         if illum == 4.0 && !clear {
@@ -450,15 +474,29 @@ impl<'a> Parser<'a> {
             let glow = || Emission { texture, ..Emission::radiance(radiance) };
             (radiance != Rgb::BLACK).then(glow)
         });
-        let normal_map =
-            written.norm.map(|texture| NormalMap { texture, scale: 1.0, shows: Bumps::Normals });
-        let opacity = written.map_d.map(|texture| {
-            let bitmap = |id: TextureId| self.library.textures[id.0 as usize].bitmap;
-            let in_color = written.map_kd.is_some_and(|color| bitmap(color) == bitmap(texture));
-            let channel = if in_color { Channel::Alpha } else { Channel::Red };
-            let factor = dissolve.clamp(0.0, 1.0);
-            let amount = ScalarInput { factor, texture: Some((texture, channel)) };
-            Opacity { amount, vertex_colors: false, mode: OpacityMode::Blend }
+        if written.norm.is_some() && written.bump.is_some() {
+            self.note(at, &format!("material {shown}: bump is left out beside norm"));
+        }
+        let normals = |texture| NormalMap { texture, scale: 1.0, shows: Bumps::Normals };
+        let heights = |(texture, scale)| NormalMap { texture, scale, shows: Bumps::Heights };
+        let normal_map = written.norm.map(normals).or(written.bump.map(heights));
+        let bitmap = |id: TextureId| self.library.textures[id.0 as usize].bitmap;
+        let in_color = |id: TextureId| written.map_kd.is_some_and(|kd| bitmap(kd) == bitmap(id));
+        let holes = written.map_d.map(|texture| {
+            let channel = if in_color(texture) { Channel::Alpha } else { Channel::Red };
+            (texture, channel, dissolve.clamp(0.0, 1.0))
+        });
+        // What is there, d, is not meant to be nothing where a picture says what is not there.
+        let holes = holes.or(written.map_tr.map(|texture| {
+            let alpha = in_color(texture);
+            let channel = if alpha { Channel::InverseAlpha } else { Channel::InverseRed };
+            let there = written.d.unwrap_or(1.0).clamp(0.0, 1.0);
+            (texture, channel, if there > 0.0 { there } else { 1.0 })
+        }));
+        let opacity = holes.map(|(texture, channel, factor)| Opacity {
+            amount: ScalarInput { factor, texture: Some((texture, channel)) },
+            vertex_colors: false,
+            mode: OpacityMode::Blend,
         });
         let materials = &mut self.library.materials;
         let (kind, parts) = match kind {
@@ -499,23 +537,41 @@ impl<'a> Parser<'a> {
         }
         let fresnel = |ni: f32| ((ni - 1.0) / (ni + 1.0)) * ((ni - 1.0) / (ni + 1.0));
         let refracting = written.ni.filter(|ni| *ni > 1.0).map(|ni| ni.min(LARGEST_IOR));
-        let Some(ks) = written.ks else { return Surface::Plain(below()) };
+        let ks = match (written.ks, written.map_ks) {
+            (None | Some([0.0, 0.0, 0.0]), Some(_)) => [1.0; 3],
+            (Some(ks), _) => ks,
+            (None, None) => return Surface::Plain(below()),
+        };
         let ks = self.clamped("Ks", ks, 0.0, 1.0, at, shown);
-        let width = written.ns.map(|ns| {
-            let alpha = (2.0 / (ns.max(0.0) + 2.0)).sqrt();
-            alpha.sqrt()
-        });
-        let illum = written.illum.unwrap_or(2.0);
-        if illum == 5.0 {
-            over(albedo, ks, 0.0)
-        } else if illum == 3.0 || illum == 8.0 {
-            over(albedo, ks, width.unwrap_or(0.0))
-        } else if let (Some(width), true) = (width, illum != 0.0 && illum != 1.0) {
-            let part = refracting.filter(|_| !dark_kd).map_or(1.0, fresnel);
-            over(albedo, Rgb(ks.0.map(|c| c * part)), width)
-        } else {
-            Surface::Plain(below())
-        }
+        let ns = written.ns.map(|ns| ns.max(0.0));
+        // The root of α, and the part of Ks that is reflected straight on.
+        let roughness = |ns: f32| (2.0 / (ns + 2.0)).sqrt().sqrt();
+        let part = |ns: f32| match refracting {
+            _ if dark_kd && written.map_kd.is_none() => 1.0,
+            Some(ni) => fresnel(ni),
+            None if written.ni.is_some() => 1.0,
+            None => (8.0 / (ns + 2.0)).clamp(fresnel(DEFAULT_IOR), 1.0),
+        };
+        let (width, part) = match (written.illum.unwrap_or(2.0), ns) {
+            (5.0, _) => (0.0, 1.0),
+            (3.0 | 8.0, ns) => (ns.map_or(0.0, roughness), 1.0),
+            (0.0 | 1.0, _) | (_, None) => return Surface::Plain(below()),
+            (_, Some(ns)) => (roughness(ns), part(ns)),
+        };
+        let reflected = Rgb(ks.0.map(|c| c * part));
+        let Some(map) = written.map_ks else { return over(albedo, reflected, width) };
+        // Only layers take a picture of their gloss: that of a dielectric, brightened to what is said.
+        let ior = refracting.unwrap_or(DEFAULT_IOR);
+        let mut layers = Principled {
+            base_color: albedo.factor,
+            roughness: width,
+            ior,
+            specular_color: Rgb(reflected.0.map(|c| (c / fresnel(ior)).min(MAX_SPECULAR_COLOR))),
+            ..Principled::default()
+        };
+        layers.textures.base_color = written.map_kd;
+        layers.textures.specular_color = Some(map);
+        Surface::Plain(MaterialKind::Principled(Box::new(layers)))
     }
 
     /// The layers that the physically based additions say, over a base that is still to be told.

@@ -23,7 +23,8 @@ pub(crate) struct Reader {
     pub(crate) name: &'static str,
     /// Reads, and says whether there was something sound to read; panics where a promise is broken.
     pub(crate) check: fn(&[u8]) -> bool,
-    /// Words that matter to the format, to be put where they hurt.
+    /// Words that matter to the format, to be put where they hurt; a fuzzer finds its own.
+    #[allow(dead_code, reason = "fuzz targets do not use them")]
     pub(crate) words: &'static [&'static [u8]],
 }
 
@@ -116,6 +117,9 @@ const MTL_WORDS: &[&[u8]] = &[
     b"Pr ",
     b"Pm ",
     b"map_Kd ",
+    b"map_Tr a.png\n",
+    b"map_Ks a.png\nKs 0.5\nNs 9\n",
+    b"bump -bm -2 a.png\n",
     b"map_Kd -s 2 3 -o 1 -clamp on a.png\n",
     b"-halo ",
     b"spectral ",

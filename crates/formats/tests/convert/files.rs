@@ -5,7 +5,9 @@ use crate::{assert_same, converted, read};
 use image::{ExtendedColorType, ImageEncoder};
 use rutilant::geom::Vec3;
 use rutilant::material::{CustomMaterial, Material, SurfacePoint};
-use rutilant_formats::{ConvertOptions, ReadOptions, SceneErrorKind, convert, read_scene};
+use rutilant_formats::{
+    Asset, Content, ConvertOptions, Converted, ReadOptions, SceneErrorKind, convert, read_scene,
+};
 use serde_json::json;
 use std::fs;
 use std::path::Path;
@@ -107,6 +109,38 @@ fn missing_pictures_stay_missing() {
         assert!(new.text.contains(&format!("image = \"{written}")), "{name}: {}", new.text);
         new.write(&to, true).expect("written");
         assert_same(&before, &read(&to), name);
+    }
+}
+
+/// What comes along stands in the scene's folder or in one below it, whoever named it; nothing is
+/// written else.
+#[test]
+fn assets_stay_beside_their_scene() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("in")).expect("a folder");
+    let to = folder.path().join("in/new.toml");
+    for name in [
+        "../a.ply",
+        "a/../../b.ply",
+        "/tmp/a.ply",
+        "a//b.ply",
+        "a/b/c.ply",
+        "a\\b.ply",
+        "c:a.ply",
+        "",
+        ".",
+        "..",
+        "./a.ply",
+        "a/",
+        "a\0",
+    ] {
+        let content = Content::Bytes(Arc::new(vec![1]));
+        let assets = vec![Asset { name: name.to_owned(), content }];
+        let new = Converted { text: "version = 1".to_owned(), assets, notes: Vec::new() };
+        let error = new.write(&to, true).expect_err(name).to_string();
+        assert!(error.ends_with("is no name of a file beside the scene"), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+        assert_eq!(fs::read_dir(folder.path().join("in")).expect("a folder").count(), 0);
     }
 }
 

@@ -40,11 +40,8 @@ fn a_document_is_a_mesh() {
     assert_eq!(within.scene.objects, alone.scene.objects);
     assert_eq!(within.scene.materials, alone.scene.materials);
     let file = at("m.glb");
-    let notes = [
-        "material \"\": the colour of its vertices is left out",
-        "as a mesh it has no cameras, left out: 2",
-    ];
-    assert_eq!(within.notes, notes.map(|note| format!("{}: {note}", file.display())));
+    let note = format!("{}: as a mesh it has no cameras, left out: 2", file.display());
+    assert_eq!(within.notes, [note]);
     assert!(within.files.contains(&file.canonicalize().expect("a file")));
 
     // With lights as well; and such a scene can be converted again.

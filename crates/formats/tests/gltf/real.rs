@@ -1,12 +1,22 @@
 //! Documents of other people, as far as they are there: `RUTILANT_DATA` names the folder that has
 //! them in `gltf`.
 
+use rutilant::Prepared;
+use rutilant::camera::Orthographic;
+use rutilant::color::Rgb;
+use rutilant::light::Environment;
+use rutilant::scene::Scene;
+use rutilant::session::Session;
+use rutilant::settings::Settings;
+use rutilant::shape::{Object, Shape};
 use rutilant_formats::ReadOptions;
 use rutilant_formats::scene::gltf::{self, Document};
-use rutilant_geom::Vec3;
+use rutilant_geom::{Vec2, Vec3};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 
 /// The folder of documents; `None`, said aloud, where there is none.
 fn folder() -> Option<PathBuf> {
@@ -142,6 +152,39 @@ const REAL: &[(&str, usize)] = &[
     ("simple-instancing.glb", 1),
     ("usd-shader-ball/usd-shaderball-ball.glb", 4),
 ];
+
+/// The last row of balls has specular colours above 1. In each a white sky is reflected, where one looks
+/// straight on, as much as the extension says of the numbers in the file: min(0.04 c, 1).
+#[test]
+fn bright_gloss_is_bright() {
+    let Some(folder) = folder() else { return };
+    let path = folder.join("SpecularTest.glb");
+    let loaded = rutilant_formats::read_scene(&path, &ReadOptions::default()).expect("a scene");
+    let json = json(&fs::read(&path).expect("a file"));
+    let mut row = 0;
+    for written in json["materials"].as_array().expect("materials") {
+        let name = written["name"].as_str().expect("a name");
+        if !name.ends_with("HDR") {
+            continue;
+        }
+        let factor = &written["extensions"]["KHR_materials_specular"]["specularColorFactor"][0];
+        let expected = (0.04 * factor.as_f64().expect("a number")).min(1.0);
+        let material = loaded.scene.materials.iter().find(|m| m.name == name).expect("it");
+        let camera = Orthographic::look_at(Vec3::Z, Vec3::ZERO, 1.0).expect("a camera");
+        let mut scene = Scene::new(camera);
+        scene.environment = Some(Environment::constant(Rgb::WHITE));
+        let material = scene.add_material(material.clone());
+        scene.objects.push(Object::new(Shape::Rectangle { size: Vec2::splat(20.0) }, material));
+        let prepared = Arc::new(Prepared::new(&scene).expect("sound"));
+        let settings = Settings { size: [1, 1], spp: 4, ..Settings::default() };
+        let session = Session::start(prepared, settings, 1).expect("settings");
+        while !session.wait(Duration::from_secs(60)) {}
+        let [found, ..] = session.snapshot().rgb().expect("colours")[0];
+        assert!((f64::from(found) - expected).abs() < 1e-4, "{name}: {found}, not {expected}");
+        row += 1;
+    }
+    assert_eq!(row, 5);
+}
 
 /// The same duck three times, placed in the world: with numbers of 16 bits, or compressed by Draco,
 /// it is where the first one is.

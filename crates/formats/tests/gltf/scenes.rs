@@ -62,24 +62,28 @@ fn texel(scene: &Scene, id: rutilant::scene::TextureId) -> (Vec<u8>, Encoding) {
 fn what_is_not_shown_is_told() {
     let mut builder = Builder::triangle();
     let image = picture(&mut builder, [255; 4]);
-    let gloss = json!({"specularGlossinessTexture": {"index": image}});
-    let specular = json!({"specularColorFactor": [1.0, 2.0, 1.0]});
-    let extensions = [
-        json!({"KHR_materials_pbrSpecularGlossiness": gloss}),
-        json!({"KHR_materials_specular": specular}),
-    ];
     let primitive = |material| json!({"attributes": {"POSITION": 0}, "material": material});
     builder.json["meshes"] = json!([{"primitives": [primitive(0), primitive(1)]}]);
-    for (name, extensions) in ["old", "bright"].into_iter().zip(extensions) {
+    for (name, factor) in [("old", 0.5), ("glossy", 1.0)] {
+        let gloss = json!({
+            "glossinessFactor": factor, "specularGlossinessTexture": {"index": image}
+        });
+        let extensions = json!({"KHR_materials_pbrSpecularGlossiness": gloss});
         builder.push("materials", json!({"name": name, "extensions": extensions}));
     }
-    let notes = sound(&builder).notes;
-    for expected in [
-        "a.glb: material \"old\": the gloss in its specularGlossinessTexture is left out",
-        "a.glb: material \"bright\": what its specularColorFactor has above 1 is left out",
-    ] {
-        assert!(notes.iter().any(|note| note == expected), "{notes:?}");
-    }
+    let loaded = sound(&builder);
+    let old = principled(&loaded.scene.materials[0]);
+    assert_eq!((old.roughness, old.textures.roughness), (0.5, None));
+    // Where the picture says all, it is told as what gloss lacks to 1.
+    let glossy = principled(&loaded.scene.materials[1]);
+    let (texture, channel) = glossy.textures.roughness.expect("a picture");
+    assert_eq!((glossy.roughness, channel), (1.0, Channel::InverseAlpha));
+    assert_eq!(texel(&loaded.scene, texture), (vec![255; 4], Encoding::Linear));
+    let notes = loaded.notes;
+    assert!(!notes.iter().any(|note| note.contains("glossy")), "{notes:?}");
+    let expected =
+        "a.glb: material \"old\": the gloss in its specularGlossinessTexture is left out";
+    assert!(notes.iter().any(|note| note == expected), "{notes:?}");
 }
 
 /// Every word of a material that is shown arrives, its pictures with the right channels and
@@ -177,6 +181,7 @@ fn plain_things_are_plain() {
         {"attributes": {"POSITION": 0, "COLOR_0": colors}},
         {"attributes": {"POSITION": 0}},
         {"attributes": {"POSITION": 0}, "material": 0},
+        {"attributes": {"POSITION": 0, "COLOR_0": colors}, "material": 0},
     ]}]);
     builder.json["materials"] = json!([{
         "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 0.125, 1.0]},
@@ -193,7 +198,10 @@ fn plain_things_are_plain() {
     let unlit = &scene.materials[scene.objects[2].material.0 as usize];
     let light = EmittedLight::Radiance(Rgb::new(0.5, 0.25, 0.125));
     assert_eq!(unlit.kind, MaterialKind::Black);
-    assert_eq!(unlit.emission, Some(Emission { light, texture: None, two_sided: false }));
+    let light = Emission { light, ..Emission::radiance(Rgb::WHITE) };
+    assert_eq!(unlit.emission, Some(light));
+    let painted = &scene.materials[scene.objects[3].material.0 as usize];
+    assert_eq!(painted.emission, Some(Emission { vertex_colors: true, ..light }));
     // Both have only a front, unless they say otherwise.
     assert!(scene.materials.iter().all(|m| m.sides == Sides::Front));
 }
@@ -278,5 +286,14 @@ fn what_is_missing_is_told() {
     let strict = ReadOptions { strict: true, ..ReadOptions::default() };
     assert_eq!(scene(&builder, &strict).expect_err("missing"), what);
     let variant = ReadOptions { variant: Some("red"), ..ReadOptions::default() };
-    assert_eq!(scene(&builder, &variant).expect_err("no such"), "a.glb: no variant \"red\"");
+    let error = scene(&builder, &variant).expect_err("no such");
+    assert_eq!(error, "a.glb: no variant \"red\": the file has none");
+    // Nor is there an animation, and no time is no number.
+    let at = |seconds| ReadOptions { at_time: Some(seconds), ..ReadOptions::default() };
+    let notes = scene(&builder, &at(1.0)).expect("a scene").notes;
+    assert!(notes.contains(&"a.glb: nothing in it moves, whatever time is asked for".to_owned()));
+    for seconds in [f32::NAN, f32::INFINITY] {
+        let error = scene(&builder, &at(seconds)).expect_err("no time");
+        assert!(error.ends_with("s, but must be finite"), "{error}");
+    }
 }

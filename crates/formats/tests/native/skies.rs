@@ -64,7 +64,8 @@ fn bad_skies_are_refused() {
     let error = under(at, &SkyChoice::Picture(missing.clone())).expect_err("no file").to_string();
     assert!(error.starts_with(&format!("{}: ", missing.display())), "{error}");
     let error = under(at, &SkyChoice::Even(Rgb([1.0, -1.0, 0.0]))).expect_err("negative");
-    let said = format!("{}: color is -1", at.join("scene.toml").display());
+    let said =
+        format!("{}: the sky that is asked for: color is -1", at.join("scene.toml").display());
     assert!(error.to_string().starts_with(&said), "{error}");
     assert!(under(at, &SkyChoice::Even(Rgb::grey(f32::NAN))).is_err());
 }

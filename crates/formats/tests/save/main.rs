@@ -121,7 +121,7 @@ fn emission(random: &mut Random) -> Emission {
     } else {
         EmittedLight::Power(light)
     };
-    Emission { light, texture: None, two_sided: random.below(2) == 0 }
+    Emission { light, two_sided: random.below(2) == 0, ..Emission::radiance(Rgb::WHITE) }
 }
 
 fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {

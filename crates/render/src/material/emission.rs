@@ -3,6 +3,7 @@
 use crate::color::Rgb;
 use crate::id::TextureId;
 use crate::problem::{LIGHT, Place, SceneProblem};
+use crate::texture::ColorInput;
 
 /// The light of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +13,9 @@ pub struct Emission {
     /// Varies over the surface, and is a factor on it. Light that varies is found by scattered rays
     /// alone, not by light sampling.
     pub texture: Option<TextureId>,
+    /// The colours of the mesh's vertices are a factor on it as well; white where it has none. Such
+    /// light counts as light that varies.
+    pub vertex_colors: bool,
     /// Whether the back, where the normal points away from, gives light as well.
     pub two_sided: bool,
 }
@@ -22,14 +26,26 @@ pub enum EmittedLight {
     /// Radiance in W/(m² sr), per channel.
     Radiance(Rgb),
     /// Power in W, per channel, of each object with the material as a whole (both sides together);
-    /// with a texture it is that of a white one.
+    /// with a texture or vertex colours it is that of white ones.
     Power(Rgb),
 }
 
 impl Emission {
     /// A radiance, on the front only.
     pub fn radiance(radiance: Rgb) -> Self {
-        Self { light: EmittedLight::Radiance(radiance), texture: None, two_sided: false }
+        Self {
+            light: EmittedLight::Radiance(radiance),
+            texture: None,
+            vertex_colors: false,
+            two_sided: false,
+        }
+    }
+
+    /// What its light varies by, if it does.
+    pub(crate) fn variation(&self) -> Option<ColorInput> {
+        let (texture, vertex_colors) = (self.texture, self.vertex_colors);
+        let by = ColorInput { factor: Rgb::WHITE, texture, vertex_colors };
+        by.varies().then_some(by)
     }
 
     pub(super) fn validate(&self, place: Place, textures: usize) -> Result<(), SceneProblem> {

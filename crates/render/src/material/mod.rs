@@ -27,7 +27,7 @@ pub use mirror::Mirror;
 pub use mix::Mix;
 pub use normal_map::{Bumps, NormalMap};
 pub use opacity::{Opacity, OpacityMode};
-pub use principled::{MAX_FILM_NM, Principled, PrincipledTextures};
+pub use principled::{MAX_FILM_NM, MAX_SPECULAR_COLOR, Principled, PrincipledTextures};
 pub use sides::Sides;
 pub use thin_dielectric::ThinDielectric;
 

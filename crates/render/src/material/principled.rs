@@ -13,7 +13,7 @@ use crate::texture::Channel;
 use rutilant_geom::Vec3;
 
 /// A surface of layers, told by plain numbers: see [`bsdf::Principled`](crate::bsdf::Principled).
-/// Everything but indices, angles and thicknesses lies between 0 and 1.
+/// Everything but indices, angles, thicknesses and the specular colour lies between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principled {
     /// What metal reflects at normal incidence, what a matte body sends back, and what is left of
@@ -33,7 +33,8 @@ pub struct Principled {
     pub anisotropy_rotation: f32,
     /// How much of the dielectric's reflection there is.
     pub specular: f32,
-    /// A factor on what the dielectric reflects at normal incidence.
+    /// A factor on what the dielectric reflects at normal incidence, 0 to [`MAX_SPECULAR_COLOR`];
+    /// what is reflected is not above 1 whatever it is.
     pub specular_color: Rgb,
     /// Index of refraction of the dielectric, 1 to 10.
     pub ior: f32,
@@ -109,37 +110,42 @@ impl PrincipledTextures {
     pub fn vary(&self) -> bool {
         let mut some = self.vertex_colors;
         let mut own = *self;
-        own.each_mut(|_| some = true);
+        own.each_mut(|_, _| some = true);
         some
     }
 
-    /// Tells each, to be changed.
-    pub(super) fn each_mut(&mut self, tell: impl FnMut(&mut TextureId)) {
-        let whole = [
-            &mut self.base_color,
-            &mut self.anisotropy_direction,
-            &mut self.specular_color,
-            &mut self.diffuse_transmission_color,
-            &mut self.sheen_color,
-        ];
-        let scalars = [
-            &mut self.metallic,
-            &mut self.roughness,
-            &mut self.anisotropy,
-            &mut self.specular,
-            &mut self.transmission,
-            &mut self.diffuse_transmission,
-            &mut self.coat,
-            &mut self.coat_roughness,
-            &mut self.sheen_roughness,
-            &mut self.iridescence,
-            &mut self.iridescence_thickness_nm,
-        ];
-        let whole = whole.into_iter().filter_map(Option::as_mut);
-        let scalars = scalars.into_iter().filter_map(Option::as_mut).map(|(id, _)| id);
-        whole.chain(scalars).for_each(tell);
+    /// Tells each, with its key, to be changed.
+    pub(super) fn each_mut(&mut self, mut tell: impl FnMut(&'static str, &mut TextureId)) {
+        for (key, texture) in [
+            ("base_color", &mut self.base_color),
+            ("anisotropy_direction", &mut self.anisotropy_direction),
+            ("specular_color", &mut self.specular_color),
+            ("diffuse_transmission_color", &mut self.diffuse_transmission_color),
+            ("sheen_color", &mut self.sheen_color),
+        ] {
+            texture.iter_mut().for_each(|id| tell(key, id));
+        }
+        for (key, texture) in [
+            ("metallic", &mut self.metallic),
+            ("roughness", &mut self.roughness),
+            ("anisotropy", &mut self.anisotropy),
+            ("specular", &mut self.specular),
+            ("transmission", &mut self.transmission),
+            ("diffuse_transmission", &mut self.diffuse_transmission),
+            ("coat", &mut self.coat),
+            ("coat_roughness", &mut self.coat_roughness),
+            ("sheen_roughness", &mut self.sheen_roughness),
+            ("iridescence", &mut self.iridescence),
+            ("iridescence_thickness_nm", &mut self.iridescence_thickness_nm),
+        ] {
+            texture.iter_mut().for_each(|(id, _)| tell(key, id));
+        }
     }
 }
+
+/// The brightest specular colour that is accepted: with it even what has an index of 1.003 reflects
+/// everything.
+pub const MAX_SPECULAR_COLOR: f32 = 1e6;
 
 /// The thickest film that is accepted, in nanometres: interference in thicker ones has no colour.
 pub const MAX_FILM_NM: f32 = 1e5;
@@ -224,7 +230,7 @@ impl Principled {
     /// Tells the texture of each input that has one, to be changed.
     pub(super) fn each_texture_mut(&mut self, mut tell: impl FnMut(&mut TextureId)) {
         self.coat_normal_map.iter_mut().for_each(|map| tell(&mut map.texture));
-        self.textures.each_mut(tell);
+        self.textures.each_mut(|_, id| tell(id));
     }
 
     /// True where facets are steeper one way than the other, which the surface's directions decide.
@@ -232,7 +238,7 @@ impl Principled {
         self.anisotropy > 0.0
     }
 
-    /// The same where textures have these values.
+    /// The same where colours and numbers, with textures on them, have these values.
     pub(crate) fn varied(
         &self,
         color: impl Fn(Rgb, Option<TextureId>, bool) -> Spectrum,
@@ -241,19 +247,23 @@ impl Principled {
         let of = &self.textures;
         // Whatever pictures hold, a part is a part.
         let part = |factor, texture| scalar(factor, texture).clamp(0.0, 1.0);
-        let tint = |factor, texture| color(factor, texture, false);
+        let up_to = |most: f32, color: Spectrum| color.map(|c| c.clamp(0.0, most));
+        let tint = |factor, texture| up_to(1.0, color(factor, texture, false));
         let [least, most] = [self.iridescence_thickness_minimum_nm, self.iridescence_thickness_nm];
         let thickness = match of.iridescence_thickness_nm {
             None => most,
             Some(texture) => least + (most - least) * scalar(1.0, Some(texture)),
         };
         PrincipledParameters {
-            base_color: color(self.base_color, of.base_color, of.vertex_colors),
+            base_color: up_to(1.0, color(self.base_color, of.base_color, of.vertex_colors)),
             metallic: part(self.metallic, of.metallic),
             roughness: part(self.roughness, of.roughness),
             anisotropy: part(self.anisotropy, of.anisotropy),
             specular: part(self.specular, of.specular),
-            specular_color: tint(self.specular_color, of.specular_color),
+            specular_color: up_to(
+                MAX_SPECULAR_COLOR,
+                color(self.specular_color, of.specular_color, false),
+            ),
             transmission: part(self.transmission, of.transmission),
             diffuse_transmission: part(self.diffuse_transmission, of.diffuse_transmission),
             diffuse_transmission_color: tint(
@@ -273,19 +283,21 @@ impl Principled {
     pub(super) fn validate(&self, place: Place, textures: usize) -> Result<(), SceneProblem> {
         let mut wrong = None;
         let mut all = self.textures;
-        all.each_mut(|id| wrong = wrong.or((id.0 as usize >= textures).then_some(id.0)));
-        if let Some(id) = wrong {
-            return Err(place.problem("base_color", format!("there is no texture number {id}")));
+        all.each_mut(|key, id| {
+            wrong = wrong.or((id.0 as usize >= textures).then_some((key, id.0)));
+        });
+        if let Some((key, id)) = wrong {
+            return Err(place.problem(key, format!("there is no texture number {id}")));
         }
         for (key, color) in [
             ("base_color", self.base_color),
-            ("specular_color", self.specular_color),
             ("diffuse_transmission_color", self.diffuse_transmission_color),
             ("coat_color", self.coat_color),
             ("sheen_color", self.sheen_color),
         ] {
             place.check(key, color.0, UNIT)?;
         }
+        place.check("specular_color", self.specular_color.0, 0.0..=MAX_SPECULAR_COLOR)?;
         for (key, part) in [
             ("metallic", self.metallic),
             ("roughness", self.roughness),

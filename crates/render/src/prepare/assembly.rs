@@ -557,7 +557,7 @@ impl Assembly {
 /// True where a lamp is brighter in some places than in others, or has holes: its light is found by
 /// scattered rays alone.
 fn is_uneven(material: &Material) -> bool {
-    material.opacity.is_some() || material.emission.is_some_and(|e| e.texture.is_some())
+    material.opacity.is_some() || material.emission.is_some_and(|e| e.variation().is_some())
 }
 
 /// In m².

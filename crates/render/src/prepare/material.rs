@@ -10,7 +10,8 @@ use crate::color::Spectrum;
 use crate::dispersion::{BANDS, Bands};
 use crate::material::{Dielectric, Material, MaterialKind, NormalMap, Opacity};
 use crate::medium::{Border, PreparedMedium};
-use crate::scene::{MaterialId, TextureId};
+use crate::scene::MaterialId;
+use crate::texture::ColorInput;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -31,7 +32,7 @@ pub(crate) struct PreparedMaterial {
     /// What turns its normals.
     pub(super) normal_map: Option<NormalMap>,
     /// What its light varies by.
-    pub(super) glow: Option<TextureId>,
+    pub(super) glow: Option<ColorInput>,
     /// True where a coat has another normal than what is below it.
     pub(super) own_coat: bool,
     /// True where rays go on as if there were nothing.
@@ -64,7 +65,7 @@ impl PreparedMaterial {
         self.border.and_then(|b| b.rank)
     }
 
-    /// True where a picture tells its normals or its light, or a coat has normals of its own.
+    /// True where a picture tells its normals, pictures or vertices its light, or a coat has normals of its own.
     pub(super) fn is_painted(&self) -> bool {
         self.normal_map.is_some() || self.glow.is_some() || self.own_coat
     }
@@ -162,7 +163,7 @@ pub(super) fn prepare_materials(
         let mean = lobes.iter().flatten().map(|(weight, lobe)| (*weight, lobe.mean(textures)));
         let mut prepared = PreparedMaterial {
             normal_map: material.normal_map,
-            glow: material.emission.and_then(|emission| emission.texture),
+            glow: material.emission.and_then(|emission| emission.variation()),
             opacity: material.opacity.map(|opacity| push(&mut opacities, opacity)),
             one_sided: material.is_one_sided(all),
             ..PreparedMaterial::from(Bsdf::sum(mean))

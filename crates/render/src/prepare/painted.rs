@@ -1,4 +1,4 @@
-//! Surfaces whose normals, or light, a picture tells.
+//! Surfaces whose normals a picture tells, or whose light pictures and vertices do.
 
 use super::prepared::{Prepared, PreparedObject, Vertex, interpolated};
 use super::texture::TexturePlace;
@@ -70,13 +70,13 @@ impl Prepared {
         })
     }
 
-    /// What a picture makes of the light that a surface gives at a place, if it does that.
+    /// What pictures and the colours of vertices make of the light that a surface gives at a place, if
+    /// they do that.
     pub(crate) fn glow_at(&self, hit: &Hit) -> Option<Spectrum> {
         let object = self.object(hit);
-        let texture = self.materials[object.material as usize].glow?;
+        let by = self.materials[object.material as usize].glow?;
         let place = TexturePlace::new(self, object, hit);
-        let [r, g, b, _] = self.textures.rgba(texture, &place);
-        Some(Spectrum::from([r, g, b]).map(|c| c.max(0.0)))
+        Some(self.textures.color(&by, &place).map(|c| c.max(0.0)))
     }
 
     /// The unit vector `normal`, turned as the picture says; of any length.

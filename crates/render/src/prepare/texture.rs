@@ -80,12 +80,15 @@ impl PreparedTextures {
             known.iter().find(same).cloned().unwrap_or_else(|| Shown::new(bitmap, encoding))
         };
         let pyramids: Vec<Shown> = wanted.par_iter().map(show).collect();
+        // Of a picture that several textures show, the first tells.
+        let mut told: Vec<u32> = Vec::new();
         let prepare = |(i, texture): (usize, &Texture)| match texture {
             Texture::Image(image) => {
                 let one = (image.bitmap.0 as usize, image.encoding);
                 let at = wanted.iter().position(|w| *w == one).unwrap_or(0);
                 let Shown { pyramid, mended, .. } = &pyramids[at];
-                if *mended > 0 {
+                if *mended > 0 && !told.contains(&image.bitmap.0) {
+                    told.push(image.bitmap.0);
                     notes.push(Place::Texture(i).note(format!(
                         "{mended} of its values, above 1e18 or no numbers, count as 0"
                     )));
@@ -122,10 +125,14 @@ impl PreparedTextures {
     }
 
     /// A colour as it is in the mean, 0 to 1: for decisions that are made once.
-    pub(super) fn mean_color(&self, input: &ColorInput) -> Spectrum {
-        let factor = Spectrum::from(input.factor);
+    pub(super) fn mean_reflectance(&self, input: &ColorInput) -> Spectrum {
+        reflectance(self.mean_color(input))
+    }
+
+    /// A colour as it is in the mean.
+    fn mean_color(&self, input: &ColorInput) -> Spectrum {
         let mean = input.texture.map_or([1.0; 4], |id| self.textures[id.0 as usize].mean());
-        reflectance(factor * opaque(mean))
+        Spectrum::from(input.factor) * opaque(mean)
     }
 
     /// A principled surface as it is in the mean.

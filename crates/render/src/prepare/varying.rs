@@ -43,7 +43,7 @@ impl VaryingLobe {
     pub(super) fn mean(&self, textures: &PreparedTextures) -> Lobe {
         match self {
             Self::Fixed(lobe) => *lobe,
-            Self::Matte(matte) => matte_lobe(matte, textures.mean_color(&matte.albedo)),
+            Self::Matte(matte) => matte_lobe(matte, textures.mean_reflectance(&matte.albedo)),
         }
     }
 
@@ -83,7 +83,7 @@ impl Prepared {
                 let place = TexturePlace::new(self, self.object(hit), hit);
                 let color = |factor, texture, vertex_colors| {
                     let input = ColorInput { factor, texture, vertex_colors };
-                    self.textures.reflectance(&input, &place)
+                    self.textures.color(&input, &place)
                 };
                 let scalar = |factor, texture| {
                     self.textures.scalar(&ScalarInput { factor, texture }, &place)

@@ -83,6 +83,11 @@ pub enum Channel {
     Green,
     Blue,
     Alpha,
+    /// What red lacks to 1; so with the others: gloss as roughness, transparency as opacity.
+    InverseRed,
+    InverseGreen,
+    InverseBlue,
+    InverseAlpha,
 }
 
 impl Channel {
@@ -94,6 +99,10 @@ impl Channel {
             Self::Green => g,
             Self::Blue => b,
             Self::Alpha => a,
+            Self::InverseRed => 1.0 - r,
+            Self::InverseGreen => 1.0 - g,
+            Self::InverseBlue => 1.0 - b,
+            Self::InverseAlpha => 1.0 - a,
         }
     }
 }

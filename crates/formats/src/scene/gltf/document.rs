@@ -77,6 +77,10 @@ impl Document {
     /// A name that no variant has, with the nearest one that there is.
     pub fn variant(&self, name: &str) -> std::result::Result<usize, SceneError> {
         self.variants.iter().position(|variant| variant == name).ok_or_else(|| {
+            if self.variants.is_empty() {
+                let what = format!("no variant \"{}\": the file has none", shown(name));
+                return SceneError::invalid_file(&self.file, what);
+            }
             let names = self.variants.iter().map(String::as_str);
             let kind = SceneErrorKind::Unknown {
                 what: "variant",

@@ -19,7 +19,7 @@ use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
 use crate::scene::files::Files;
 use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
-use crate::scene::loaded::{LoadedScene, camera_named};
+use crate::scene::loaded::{LoadedScene, NOTHING_MOVES, camera_named};
 use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
 use crate::shown::shown;
@@ -27,8 +27,8 @@ use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
     Absorption, Bumps, Emission, EmittedLight, MAX_DISPERSION, MAX_FILM_NM, MAX_IOR,
-    MOST_ROUGH_RATIO, Material, MaterialKind, NormalMap, Opacity, OpacityMode, Principled,
-    PrincipledTextures, Sides, most_rough_dispersion,
+    MAX_SPECULAR_COLOR, MOST_ROUGH_RATIO, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
+    Principled, PrincipledTextures, Sides, most_rough_dispersion,
 };
 use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
@@ -43,12 +43,19 @@ use std::sync::Arc;
 
 /// Reads a `.gltf` or `.glb` file as a scene.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
+    if let Some(seconds) = options.at_time.filter(|seconds| !seconds.is_finite()) {
+        let what = format!("the time that is asked for is {seconds} s, but must be finite");
+        return Err(SceneError::invalid_file(path, what));
+    }
     let document = super::read(path, options)?;
     let variant = options.variant.map(|name| document.variant(name)).transpose()?;
     let moment = options.at_time.map(|seconds| Moment { animation: 0, seconds });
     let pose = document.pose(moment);
     let placed = document.placed(None, &pose)?;
     let mut maker = Maker::new(&document, path, variant, options);
+    if moment.is_some() && document.animations.is_empty() {
+        maker.notes.push(format!("{}: {NOTHING_MOVES}", path.display()));
+    }
     for placed in &placed {
         maker.place(placed, &pose);
     }
@@ -255,12 +262,9 @@ impl<'d> Maker<'d> {
         let name = written.name.clone();
         let sides = if written.double_sided { Sides::Both } else { Sides::Front };
         if written.unlit {
-            if vertex_colors {
-                self.leave_out(written, "the colour of its vertices");
-            }
             let light = EmittedLight::Radiance(color);
             let two_sided = written.double_sided;
-            let emission = Some(Emission { light, texture: base, two_sided });
+            let emission = Some(Emission { light, texture: base, vertex_colors, two_sided });
             return Material {
                 emission,
                 opacity,
@@ -274,6 +278,7 @@ impl<'d> Maker<'d> {
         let emission = (radiance != Rgb::BLACK).then(|| Emission {
             light: EmittedLight::Radiance(radiance),
             texture: self.color(written.emissive_texture.as_ref()),
+            vertex_colors: false,
             two_sided: written.double_sided,
         });
         let normal_map = written.normal_texture.as_ref().map(|map| NormalMap {
@@ -315,14 +320,7 @@ impl<'d> Maker<'d> {
         };
         // An index of 0 stands for one that reflects everything but for the specular colour.
         let ior = if written.ior == 0.0 { MAX_IOR } else { written.ior.clamp(1.0, MAX_IOR) };
-        if written.specular.color.iter().any(|c| *c > 1.0) {
-            self.leave_out(written, "what its specularColorFactor has above 1");
-        }
-        if written.specular_glossiness.as_ref().is_some_and(|gloss| gloss.texture.is_some()) {
-            self.leave_out(written, "the gloss in its specularGlossinessTexture");
-        }
-        // A colour above 1 is meant for what an index reflects little of.
-        let specular_color = Rgb(written.specular.color.map(|c| c.min(1.0)));
+        let specular_color = Rgb(written.specular.color.map(|c| c.min(MAX_SPECULAR_COLOR)));
         let mut made = Principled {
             base_color,
             metallic: written.metallic,
@@ -334,6 +332,17 @@ impl<'d> Maker<'d> {
             textures: of,
             ..Principled::default()
         };
+        if let Some((gloss, texture)) =
+            written.specular_glossiness.and_then(|s| Some((s, s.texture?)))
+        {
+            // Roughness is 1 − g f for gloss g from the picture: a product only where f is 1.
+            if gloss.glossiness == 1.0 {
+                made.roughness = 1.0;
+                made.textures.roughness = self.scalar(Some(&texture), Channel::InverseAlpha);
+            } else {
+                self.leave_out(written, "the gloss in its specularGlossinessTexture");
+            }
+        }
         if let Some(transmission) = &written.transmission {
             made.transmission = transmission.factor;
             made.textures.transmission = self.scalar(transmission.texture.as_ref(), Channel::Red);

@@ -59,7 +59,7 @@ pub(super) const OPACITY: &[&str] =
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type", "single_sided"];
 pub(super) const EMISSION: &[&str] =
-    &["radiance", "power", "strength", "two_sided", "texture", "image"];
+    &["radiance", "power", "strength", "two_sided", "texture", "image", "vertex_colors"];
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map", "bump_map"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
@@ -260,13 +260,87 @@ pub(super) const SYNONYMS: &[(&str, &str)] = &[
 mod tests {
     use super::*;
 
-    /// Documentation that forgets a key is wrong.
+    /// Where the documentation tells the keys of places in a line: how it begins.
+    const LINES: &[(&str, &[&str])] = &[
+        ("a textured number", &["A number or texture is "]),
+        ("a picture of directions", &["| `anisotropy_direction` |"]),
+        ("a normal or bump map", &["| `normal_map` |"]),
+        ("an instance", &["In each entry of `instances`"]),
+    ];
+
+    /// Where it tells those of all others in tables: how the lines before these begin.
+    const SECTIONS: &[(&str, &[&str])] = &[
+        ("the scene itself, above all tables", &["## Top level"]),
+        ("[render]", &["## `[render]`"]),
+        ("[camera]", &["## `[camera]`"]),
+        ("a perspective or orthographic [camera]", &["The lens of perspective and orthographic"]),
+        ("a perspective [camera]", &["\"perspective\": "]),
+        ("an orthographic [camera]", &["\"orthographic\": "]),
+        ("[environment]", &["## `[environment]`"]),
+        ("[[texture]]", &["## `[[texture]]`"]),
+        ("an image texture", &["\"image\": "]),
+        ("a checker, bricks or noise", &["\"checker\": ", "\"bricks\": ", "\"noise\": "]),
+        ("bricks", &["\"bricks\": "]),
+        ("noise", &["\"noise\": "]),
+        ("a textured color", &["A colour or texture is "]),
+        ("opacity", &["It is a number, the part of the rays that meet the surface"]),
+        ("[[material]]", &["## `[[material]]`"]),
+        ("an emissive material or emission", &["\"emissive\": "]),
+        ("a material that scatters", &["## `[[material]]`"]),
+        ("a matte material", &["\"matte\": "]),
+        ("a mirror", &["\"mirror\": "]),
+        ("a conductor", &["\"conductor\": "]),
+        ("a dielectric", &["\"dielectric\": "]),
+        ("a thin dielectric", &["\"thin-dielectric\": "]),
+        ("a principled material", &["\"principled\": "]),
+        ("a mix", &["\"mix\": "]),
+        ("[[shape]]", &["## `[[shape]]`"]),
+        ("a sphere or disk", &["\"sphere\" (normals outwards)"]),
+        ("a rectangle or box", &["\"rectangle\" (in the x-y plane"]),
+        ("a sphere, rectangle, disk or box", &["All but the mesh stand around the origin"]),
+        ("a mesh", &["\"mesh\": "]),
+        ("fit", &["In `fit`:"]),
+        ("rotate", &["In `rotate`:"]),
+        ("[[light]]", &["## `[[light]]`"]),
+        ("a point light", &["\"point\": "]),
+        ("a spot", &["\"spot\": "]),
+        ("a directional light", &["\"directional\": "]),
+    ];
+
+    /// The line that begins so, and the rows of the first table after it in its section.
+    fn section<'d>(docs: &'d str, begins: &str) -> (&'d str, Vec<&'d str>) {
+        let mut lines = docs.lines().skip_while(|line| !line.starts_with(begins));
+        let first = lines.next().unwrap_or_else(|| panic!("no line begins with {begins}"));
+        let another = |line: &&str| line.starts_with("## ") || line.starts_with('"');
+        let lines = lines.take_while(|line| !another(line)).skip_while(|l| !l.starts_with('|'));
+        (first, lines.take_while(|line| line.starts_with('|')).collect())
+    }
+
+    /// Documentation that forgets a key is wrong, even if another table has one of that name.
     #[test]
     fn every_key_is_documented() {
         let docs = include_str!("../../../../../docs/scene-format.md");
         for (place, keys) in PLACES {
+            let of = |list: &'static [(&str, &'static [&'static str])]| {
+                let found = list.iter().find(|(of, _)| of == place);
+                found.map_or(&[][..], |(_, sections)| sections)
+            };
+            assert!(!of(LINES).is_empty() || !of(SECTIONS).is_empty(), "{place}");
             for key in *keys {
-                assert!(docs.contains(&format!("`{key}`")), "`{key}` of {place}");
+                let said = |text: &str| text.contains(&format!("`{key}`"));
+                for begins in of(LINES) {
+                    let (line, _) = section(docs, begins);
+                    assert!(
+                        said(line) || line.contains(&format!("{key} = ")),
+                        "`{key}` of {place}"
+                    );
+                }
+                for begins in of(SECTIONS) {
+                    // Of a row only its first cell names a key.
+                    let (_, rows) = section(docs, begins);
+                    let told = rows.iter().any(|row| row.split('|').nth(1).is_some_and(said));
+                    assert!(told, "`{key}` of {place}, after \"{begins}\"");
+                }
             }
         }
     }

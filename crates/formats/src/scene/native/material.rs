@@ -196,7 +196,12 @@ fn emission<'d>(
         _ => EmittedLight::Power(light("power")?),
     };
     let texture = texture::texture_of(table, owner, Encoding::Srgb, draft)?;
-    Ok(Emission { light, texture, two_sided: table.or("two_sided", Value::flag, false)? })
+    Ok(Emission {
+        light,
+        texture,
+        vertex_colors: table.or("vertex_colors", Value::flag, false)?,
+        two_sided: table.or("two_sided", Value::flag, false)?,
+    })
 }
 
 fn roughness(table: &Table<'_>) -> Result<f32, SceneError> {
@@ -596,7 +601,7 @@ fn keys_of_absorption(absorption: &Absorption) -> Group {
     Group::of(&["sigma_a", "absorption_color", "absorption_distance"], says)
 }
 
-fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 3] {
+fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 4] {
     let light = match emission.light {
         EmittedLight::Radiance(rgb) => Said::new("radiance", color(rgb)),
         EmittedLight::Power(rgb) => Said::new("power", color(rgb)),
@@ -604,6 +609,7 @@ fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 3] {
     [
         Group::of(&["radiance", "power", "strength"], [light]),
         texture::said_texture(emission.texture, names),
+        Group::or(&["vertex_colors"], emission.vertex_colors.to_string(), "false"),
         Group::or(&["two_sided"], emission.two_sided.to_string(), "false"),
     ]
 }

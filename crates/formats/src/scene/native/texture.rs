@@ -54,6 +54,10 @@ const CHANNELS: &[(&str, Channel)] = &[
     ("green", Channel::Green),
     ("blue", Channel::Blue),
     ("alpha", Channel::Alpha),
+    ("inverse-red", Channel::InverseRed),
+    ("inverse-green", Channel::InverseGreen),
+    ("inverse-blue", Channel::InverseBlue),
+    ("inverse-alpha", Channel::InverseAlpha),
 ];
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
@@ -188,6 +192,7 @@ pub(super) fn scalar_input<'d>(
     }
     let table = value.table("a textured number")?;
     table.only(&[keys::SCALAR_INPUT])?;
+    table.either(["texture", "image"])?;
     let texture = texture_of(&table, owner, Encoding::Linear, draft)?;
     let channel = table.or("channel", |v| v.one_of("channel", CHANNELS), Channel::Red)?;
     let factor = table.or("factor", Value::number, 1.0)?;
