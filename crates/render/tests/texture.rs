@@ -7,7 +7,7 @@ use rutilant::Prepared;
 use rutilant::camera::{Orthographic, Perspective};
 use rutilant::color::Rgb;
 use rutilant::film::Filter;
-use rutilant::geom::{Ray, Transform, Vec2, Vec3, real};
+use rutilant::geom::{BuildOptions, Ray, Transform, Vec2, Vec3, real};
 use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
 use rutilant::material::{
@@ -395,6 +395,84 @@ fn veils_let_rays_through() {
             common::assert_mean(&render(&lit, settings), 1.0 - there, 4.5);
         }
     }
+}
+
+/// Of three veils in one place each lets its part through, whatever they are made of and stored
+/// how: for the eye, and for the light on a floor, by shadow rays and by scattered ones. Veils that
+/// decide alike, or of which a ray meets only the first, let more through.
+#[test]
+fn veils_in_one_place_all_count() {
+    let corners = [-2000.0, 2000.0].map(|x| [-2000.0, 2000.0].map(|y| Vec3::new(x, y, 0.0)));
+    let faces = [[0, 2, 3], [0, 3, 1]];
+    let mesh = |faces: Vec<[u32; 3]>| Mesh {
+        positions: corners.concat(),
+        triangles: faces,
+        ..Mesh::default()
+    };
+    let wide = Shape::Rectangle { size: Vec2::splat(4000.0) };
+    let sheets: [&dyn Fn(&mut Scene) -> Vec<Shape>; 4] = [
+        &|_| vec![wide.clone(), wide.clone(), wide.clone()],
+        &|_| [(); 3].map(|()| Shape::Disk { radius: 2000.0 }).to_vec(),
+        &|scene| vec![Shape::Mesh(scene.add_mesh(mesh(faces.repeat(3))))],
+        &|scene| vec![Shape::Mesh(scene.add_mesh(mesh(faces.to_vec()))); 3],
+    ];
+    let amounts = [0.3, 0.5, 0.2];
+    for (kind, sheets) in sheets.into_iter().enumerate() {
+        let add = |scene: &mut Scene, z: f32| {
+            let shapes = sheets(scene);
+            for (i, shape) in shapes.iter().enumerate() {
+                let opacity = Some(Opacity {
+                    amount: if shapes.len() == 3 { amounts[i] } else { amounts[0] }.into(),
+                    vertex_colors: false,
+                    mode: OpacityMode::Blend,
+                });
+                let material =
+                    scene.add_material(Material { opacity, ..Material::new(MaterialKind::Black) });
+                let place = Transform::translate(z * Vec3::Z);
+                scene.objects.push(Object::new(shape.clone(), material).transformed(&place));
+            }
+        };
+        let through = if kind == 2 { 0.7 * 0.7 * 0.7 } else { 0.7 * 0.5 * 0.8 };
+        let assert_mean = |scene: &Scene, settings: Settings, expected: f64| {
+            let [copies, stored] = [u32::MAX, 0].map(|copies| {
+                let options = BuildOptions { copies, ..BuildOptions::default() };
+                let prepared = Prepared::with_options(scene, &options).unwrap();
+                common::render_prepared(prepared, settings.clone())
+            });
+            assert_eq!(copies.hash(), stored.hash());
+            common::assert_mean(&copies, expected, 4.5);
+        };
+        let mut seen = scene();
+        add(&mut seen, 0.0);
+        assert_mean(&seen, small(256), through);
+        for strategy in [Strategy::LightOnly, Strategy::BsdfOnly] {
+            let mut lit = scene();
+            lit.environment = None;
+            let floor = lit.add_material(Matte::new(Rgb::WHITE));
+            let lamp = lit.add_material(Emission::radiance(Rgb::WHITE));
+            lit.objects.push(Object::new(SQUARE, floor));
+            add(&mut lit, 1.0);
+            let down = Transform::translate(2.0 * Vec3::Z)
+                * Transform::rotate(Vec3::X, std::f32::consts::PI);
+            lit.objects.push(Object::new(wide.clone(), lamp).transformed(&down));
+            lit.camera = Orthographic::look_at(0.5 * Vec3::Z, Vec3::ZERO, 1.0).unwrap().into();
+            let settings = Settings { strategy, max_depth: Some(2), ..small(1024) };
+            assert_mean(&lit, settings, through);
+        }
+    }
+}
+
+/// What glows and lets rays pass hides nothing that is in the same place.
+#[test]
+fn a_glow_on_a_wall_hides_no_wall() {
+    let mut scene = scene();
+    let glow = scene.add_material(Emission::radiance(Rgb::WHITE));
+    scene.materials[glow.0 as usize].kind = MaterialKind::Null;
+    let wall = scene.add_material(Material::new(MaterialKind::Black));
+    for material in [glow, wall] {
+        scene.objects.push(Object::new(SQUARE, material));
+    }
+    common::assert_mean(&render(&scene, small(4)), 1.0, 0.0);
 }
 
 /// A hole in a surface has the shape that the picture says, and what is seen through it is what is

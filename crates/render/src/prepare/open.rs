@@ -1,8 +1,9 @@
 //! Surfaces that are not everywhere: what rays meet of them.
 //!
 //! Whether a ray meets a surface that is there in part is decided by chance,
-//! by a number made of the place and the ray's direction: the same ray meets
-//! the same surface, whoever asks, alone or among others.
+//! by a number made of the place, the ray's direction and the surface: the same
+//! ray meets the same surface, whoever asks, alone or among others. Of surfaces
+//! in one place each has its own chance, in the order in which rays meet them.
 //!
 //! Surfaces that have only a front are not there for rays that come from behind. Light goes the
 //! other way: what comes from behind is stopped, for the camera sees the front, and what comes
@@ -16,7 +17,7 @@ use crate::follow::MOST_PASSES;
 use crate::material::{Opacity, OpacityMode};
 use crate::sampler::{GOLDEN, mix};
 use rutilant_geom::lanes::each_lane;
-use rutilant_geom::{Hit, HitPacket, Ray, RayPacket};
+use rutilant_geom::{Hit, HitPacket, Ray, RayPacket, Vec3};
 
 impl Prepared {
     /// The surface that a ray meets first.
@@ -26,7 +27,13 @@ impl Prepared {
         if self.some_open { self.closest_there(ray, hit) } else { hit }
     }
 
-    /// The same for eight rays.
+    /// The surface that a ray meets next after `hit`, maybe in the same place.
+    pub(crate) fn closest_after(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
+        let next = self.surfaces.closest_after(ray, hit);
+        if self.some_open { self.closest_there(ray, next) } else { next }
+    }
+
+    /// The same for eight rays, from their start on.
     #[inline(always)]
     pub(crate) fn closest_packet(&self, rays: &RayPacket) -> HitPacket {
         let mut hits = self.surfaces.closest_packet(rays);
@@ -44,6 +51,14 @@ impl Prepared {
             self.see_past_holes(rays, &mut hits);
         }
         hits
+    }
+
+    /// What a ray of light meets next in the very place of `hit`, if there is more.
+    pub(crate) fn also_met_by_light(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
+        let here = Ray { t_max: ray.t_max.min(hit.t.next_up()), ..*ray };
+        let next = self.surfaces.closest_after(&here, hit);
+        self.closest_for(&here, next, |hit| self.is_whole(&here, hit))
+            .filter(|next| next.t == hit.t)
     }
 
     /// Whether anything is in a ray's way that rays do not pass.
@@ -102,14 +117,12 @@ impl Prepared {
         mut hit: Option<Hit>,
         is_there: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
-        let mut ahead = *ray;
         for _ in 0..MOST_PASSES {
             let met = hit?;
             if is_there(&met) {
                 return hit;
             }
-            ahead.t_min = met.t.next_up();
-            hit = self.surfaces.closest(&ahead);
+            hit = self.surfaces.closest_after(ray, &met);
         }
         hit
     }
@@ -117,13 +130,13 @@ impl Prepared {
     /// Whether a ray is stopped although it passes some surfaces.
     #[inline(never)]
     fn occluded_beyond(&self, ray: &Ray) -> bool {
-        let mut ahead = *ray;
+        let mut hit = self.surfaces.closest(ray);
         for _ in 0..MOST_PASSES {
-            let Some(hit) = self.surfaces.closest(&ahead) else { return false };
-            if !self.material_at(&hit).passes && self.is_there(ray, &hit) {
+            let Some(met) = hit else { return false };
+            if !self.material_at(&met).passes && self.is_there(ray, &met) {
                 return true;
             }
-            ahead.t_min = hit.t.next_up();
+            hit = self.surfaces.closest_after(ray, &met);
         }
         true
     }
@@ -151,7 +164,7 @@ impl Prepared {
         let amount = self.opacity_at(opacity, hit);
         match opacity.mode {
             OpacityMode::Mask { cutoff } => amount >= cutoff,
-            OpacityMode::Blend => chance(ray, hit) < amount,
+            OpacityMode::Blend => self.chance(ray, hit) < amount,
         }
     }
 
@@ -161,18 +174,25 @@ impl Prepared {
         let own = if opacity.vertex_colors { place.vertex_color()[3] } else { 1.0 };
         self.textures.scalar(&opacity.amount, &place) * own
     }
+
+    /// A number in [0, 1) for a ray at a surface, as good as drawn at random.
+    fn chance(&self, ray: &Ray, hit: &Hit) -> f32 {
+        // The surface by names that do not depend on what is stored how.
+        let number = self.object_of(hit.instance, hit.primitive);
+        let triangles = self.surfaces.triangles().len();
+        let is_triangle = hit.instance.is_some() || (hit.primitive as usize) < triangles;
+        let first = self.objects[number as usize].first_primitive;
+        let part = if is_triangle { hit.primitive - first } else { 0 };
+        let vectors = [ray.direction, hit.position];
+        let words = vectors.iter().flat_map(Vec3::to_array).chain([hit.t]).map(f32::to_bits);
+        let hash = words
+            .chain([number, part])
+            .fold(0_u64, |hash, word| mix((hash ^ u64::from(word)).wrapping_add(GOLDEN)));
+        (hash >> 40) as f32 / (1 << 24) as f32
+    }
 }
 
 /// Whether a ray meets the back of a surface.
 fn comes_from_behind(ray: &Ray, hit: &Hit) -> bool {
     hit.normal.dot(ray.direction) > 0.0
-}
-
-/// A number in [0, 1) for a ray at a surface, as good as drawn at random.
-fn chance(ray: &Ray, hit: &Hit) -> f32 {
-    let words = ray.direction.to_array().into_iter().chain(hit.position.to_array());
-    let hash = words
-        .chain([hit.t])
-        .fold(0_u64, |hash, word| mix((hash ^ u64::from(word.to_bits())).wrapping_add(GOLDEN)));
-    (hash >> 40) as f32 / (1 << 24) as f32
 }
