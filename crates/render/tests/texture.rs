@@ -410,16 +410,15 @@ fn veils_in_one_place_all_count() {
         ..Mesh::default()
     };
     let wide = Shape::Rectangle { size: Vec2::splat(4000.0) };
-    let sheets: [&dyn Fn(&mut Scene) -> Vec<Shape>; 4] = [
-        &|_| vec![wide.clone(), wide.clone(), wide.clone()],
-        &|_| [(); 3].map(|()| Shape::Disk { radius: 2000.0 }).to_vec(),
-        &|scene| vec![Shape::Mesh(scene.add_mesh(mesh(faces.repeat(3))))],
-        &|scene| vec![Shape::Mesh(scene.add_mesh(mesh(faces.to_vec()))); 3],
-    ];
     let amounts = [0.3, 0.5, 0.2];
-    for (kind, sheets) in sheets.into_iter().enumerate() {
+    for kind in 0..4 {
         let add = |scene: &mut Scene, z: f32| {
-            let shapes = sheets(scene);
+            let shapes = match kind {
+                0 => vec![wide.clone(); 3],
+                1 => vec![Shape::Disk { radius: 2000.0 }; 3],
+                2 => vec![Shape::Mesh(scene.add_mesh(mesh(faces.repeat(3))))],
+                _ => vec![Shape::Mesh(scene.add_mesh(mesh(faces.to_vec()))); 3],
+            };
             for (i, shape) in shapes.iter().enumerate() {
                 let opacity = Some(Opacity {
                     amount: if shapes.len() == 3 { amounts[i] } else { amounts[0] }.into(),
