@@ -189,6 +189,6 @@ fn too_many_pictures_stay_packed() {
     let error = error.expect_err("too much").to_string();
     assert!(error.contains("96000000 bytes of textures"), "{error}");
     let peak = memory("VmHWM").expect("told").saturating_sub(before);
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()) as u64;
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
     assert!(peak < (2 + threads) * 50_000_000, "{peak}");
 }
