@@ -588,7 +588,7 @@ impl Prepared {
 
     /// The number of the object that a primitive, or an instance, belongs to.
     #[inline(always)]
-    pub(super) fn object_of(&self, instance: Option<u32>, primitive: u32) -> u32 {
+    fn object_of(&self, instance: Option<u32>, primitive: u32) -> u32 {
         match instance {
             None => self.object_of_primitive[primitive as usize],
             Some(instance) => self.object_of_instance[instance as usize],
