@@ -7,13 +7,16 @@
 mod load;
 
 use load::{BUDGETS, forget_peak, memory, write_hills};
+use rutilant::Prepared;
 use rutilant_formats::{Limits, ReadOptions, read_scene};
 
-/// The system counts memory by process, so these two take turns.
+/// The system counts memory by process, so these take turns.
 #[test]
 fn memory_is_bounded() {
     a_triangle_takes_few_bytes();
     text_bombs_stay_packed();
+    pictures_are_unpacked_once();
+    too_many_pictures_stay_packed();
 }
 
 /// The old program kept a hundred bytes for each triangle, and as many again while it read.
@@ -123,4 +126,69 @@ fn text_bombs_stay_packed() {
         let grown = memory("VmHWM").expect("told").saturating_sub(before);
         assert!(grown < 32 << 20, "{} took {grown} bytes", String::from_utf8_lossy(name));
     }
+}
+
+const CAMERA: &str = "version = 1\n[camera]\nposition = [0, 0, 4]\nlook_at = [0, 0, 0]\n";
+
+/// A black picture of `side` pixels each way, in a thousandth of its size.
+fn black(side: u32, bits: u8, colors: u8) -> Vec<u8> {
+    let [size, channels] = [side as usize, if colors == 2 { 3 } else { 1 }];
+    let row = 1 + size * channels * usize::from(bits) / 8;
+    let head = [&side.to_be_bytes()[..], &side.to_be_bytes(), &[bits, colors, 0, 0, 0]].concat();
+    [
+        b"\x89PNG\r\n\x1a\n".to_vec(),
+        chunk(b"IHDR", &head),
+        chunk(b"IDAT", &zeros(size * row)),
+        chunk(b"IEND", &[]),
+    ]
+    .concat()
+}
+
+/// A file may hold a picture a thousand times its size, so nothing is kept twice on the way: codes of
+/// 16 bits are unpacked to where they stay, and the smaller versions of a texture, a third in all, are
+/// made in place.
+fn pictures_are_unpacked_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "[[texture]]\nname = \"black\"\nimage = \"black.png\"\n\
+                 [[material]]\nname = \"m\"\ntype = \"matte\"\nalbedo = { texture = \"black\" }\n\
+                 [[shape]]\ntype = \"sphere\"\nradius = 1\nmaterial = \"m\"\n";
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, [CAMERA, scene].concat()).expect("written");
+    for (side, bits, colors) in [(4000, 16, 0), (4000, 8, 2)] {
+        std::fs::write(folder.path().join("black.png"), black(side, bits, colors))
+            .expect("written");
+        let (true, Some(before)) = (forget_peak(), memory("VmRSS")) else { return };
+        let loaded = read_scene(&path, &ReadOptions::default()).expect("read");
+        let bytes = loaded.scene.bitmaps[0].bytes();
+        assert_eq!(bytes, 16_000_000 * u64::from(bits / 8) * if colors == 2 { 3 } else { 1 });
+        let peak = || memory("VmHWM").expect("told").saturating_sub(before);
+        assert!(peak() < bytes + bytes / 4 + (8 << 20), "{bits} bits: {} to read", peak());
+        let prepared = Prepared::new(&loaded.scene).expect("prepared");
+        let all = prepared.report().texture_bytes;
+        assert!(peak() < all + all / 8 + (8 << 20), "{bits} bits: {} of {all}", peak());
+    }
+}
+
+/// Fifty small files with large pictures are refused by the limit on all of them before more are
+/// unpacked than threads read at once.
+fn too_many_pictures_stay_packed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("black.png"), black(4000, 8, 2)).expect("written");
+    let texture = |i: u32| {
+        let name = format!("black{i}.png");
+        let linked = folder.path().join(&name);
+        std::fs::copy(folder.path().join("black.png"), linked).expect("copied");
+        format!("[[texture]]\nname = \"t{i}\"\nimage = \"{name}\"\n")
+    };
+    let textures: String = (0..50).map(texture).collect();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, [CAMERA, &textures].concat()).expect("written");
+    let limits = Limits { texture_bytes: 50_000_000, ..Limits::default() };
+    let (true, Some(before)) = (forget_peak(), memory("VmRSS")) else { return };
+    let error = read_scene(&path, &ReadOptions { limits, ..ReadOptions::default() });
+    let error = error.expect_err("too much").to_string();
+    assert!(error.contains("96000000 bytes of textures"), "{error}");
+    let peak = memory("VmHWM").expect("told").saturating_sub(before);
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
+    assert!(peak < (2 + threads) * 50_000_000, "{peak}");
 }

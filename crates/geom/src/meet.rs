@@ -80,6 +80,20 @@ impl Turn {
     }
 }
 
+/// Where a ray stands that has passed a surface.
+struct Passed {
+    t: f64,
+    turn: Turn,
+    primitive: u32,
+}
+
+impl Passed {
+    /// Whether a hit comes after it.
+    fn is_before(&self, hit: &Nearest) -> bool {
+        (self.t, self.turn, self.primitive) < (hit.t, hit.turn, hit.primitive)
+    }
+}
+
 impl Nearest {
     /// Takes the place of what is farther, and tells whether it did; of equal ones the first stays.
     #[inline(always)]
@@ -110,6 +124,91 @@ impl Surfaces {
             else self.search_alone(Fallback::new(), ray, &mut search)
         );
         self.finish(ray, search.nearest?, search.custom)
+    }
+
+    /// The surface that the ray meets next, after the one that it met at `hit`: in the order in which
+    /// [`closest`](Self::closest) chooses, so that of several at the same place none is left out.
+    ///
+    /// What a custom shape has at the same distance, to single precision, as a hit on one does not
+    /// count: it need not give the same answer twice.
+    pub fn closest_after(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
+        let passed = self.passed(ray, hit);
+        // Begins a little before, for `passed` decides.
+        let ahead = Ray { t_min: (passed.t as f32).next_down().max(ray.t_min), ..*ray };
+        let beyond = Ray { t_min: (passed.t as f32).next_up(), ..*ray };
+        let exact = TriangleRay::new(&ahead);
+        let (mut nearest, mut said) = (None, None);
+        self.each_near(&ahead, Order::Nearest, &mut |instance, primitive, surface| {
+            let turn = self.turn_of(instance, primitive);
+            let at = |t, uv| Nearest { t, turn, primitive, uv };
+            let end = f64::from(ray.t_max);
+            let next = |found: &Nearest| passed.is_before(found) && found.t < end;
+            let met = match surface {
+                Primitive::Triangle([a, b, c]) => {
+                    exact.intersect(a, b, c).map(|met| at(met.t, [met.u, met.v])).filter(next)
+                }
+                Primitive::Sphere(sphere) => {
+                    let both = sphere.crossings(&ahead).into_iter().flatten();
+                    both.map(|t| at(t, [0.0, 0.0])).find(next)
+                }
+                Primitive::Disk(disk) => {
+                    disk.intersect(&ahead).map(|met| at(met.t, [met.a, met.b])).filter(next)
+                }
+                Primitive::Custom(custom) => {
+                    let from = |ray: &Ray| {
+                        let met = custom.intersect(ray)?;
+                        let found = at(met.t, met.uv);
+                        next(&found).then_some((found, met))
+                    };
+                    let met = from(&ahead).or_else(|| from(&beyond));
+                    if let Some((found, met)) = met
+                        && found.keep(&mut nearest)
+                    {
+                        said = Some(met);
+                    }
+                    None
+                }
+            };
+            if let Some(found) = met {
+                found.keep(&mut nearest);
+            }
+            nearest.map_or(f64::INFINITY, |nearest: Nearest| nearest.t)
+        });
+        self.finish(ray, nearest?, said)
+    }
+
+    /// Where a ray stands after what it met at `hit`.
+    fn passed(&self, ray: &Ray, hit: &Hit) -> Passed {
+        let Hit { instance, primitive, t, .. } = *hit;
+        let surface = match instance {
+            Some(i) => Primitive::Triangle(self.triangle_of_instance(i, primitive)),
+            None => self.primitive(primitive),
+        };
+        let exactly = match surface {
+            Primitive::Triangle([a, b, c]) => {
+                TriangleRay::new(ray).intersect(a, b, c).map(|met| met.t)
+            }
+            // If nothing tells its two sides apart, both were passed.
+            Primitive::Sphere(sphere) => {
+                let is_this = |&side: &f64| {
+                    side as f32 == t && sphere.surface_at(ray, side).1.as_vec3() == hit.normal
+                };
+                sphere.crossings(ray).into_iter().flatten().rfind(is_this)
+            }
+            Primitive::Disk(disk) => disk.intersect(ray).map(|met| met.t),
+            Primitive::Custom(_) => None,
+        };
+        // Else all that is rounded to the same number.
+        let t = exactly.unwrap_or_else(|| 0.5 * (f64::from(t) + f64::from(t.next_up())));
+        Passed { t, turn: self.turn_of(instance, primitive), primitive }
+    }
+
+    /// Which turn a primitive has among those at the same place.
+    fn turn_of(&self, instance: Option<u32>, primitive: u32) -> Turn {
+        match instance {
+            Some(i) => Turn::within(i, self.instances()[i as usize].after),
+            None => Turn::alone(primitive),
+        }
     }
 
     /// Whether the ray meets anything at all; the same as `closest(ray).is_some()`, but sooner.
@@ -850,11 +949,7 @@ impl Surfaces {
         // How high the ends stand above the surface, and its normal.
         let ends = [before.as_dvec3(), beyond.as_dvec3()];
         let plane = |point: DVec3, normal: DVec3| (ends.map(|e| normal.dot(e - point)), normal);
-        self.each_near(&near, &mut |instance, primitive| {
-            let surface = match instance {
-                Some(i) => Primitive::Triangle(self.triangle_of_instance(i, primitive)),
-                None => self.primitive(primitive),
-            };
+        self.each_near(&near, Order::Any, &mut |instance, primitive, surface| {
             let surface = match surface {
                 Primitive::Triangle(corners) => {
                     let [a, b, c] = corners;
@@ -880,66 +975,77 @@ impl Surfaces {
             {
                 met(instance, primitive, normal.dot(direction) < 0.0);
             }
-        });
-    }
-
-    /// Calls `look_at` for one primitive, or for every one of an instance that the ray may meet.
-    #[inline(never)]
-    fn near_single(&self, ray: &Ray, number: u32, look_at: &mut dyn FnMut(Option<u32>, u32)) {
-        if number & INSTANCE == 0 {
-            look_at(None, number);
-            return;
-        }
-        let instance = number & !INSTANCE;
-        self.each_in_instance(ray, instance, Order::Any, f64::INFINITY, |primitive, _| {
-            look_at(Some(instance), primitive);
             f64::INFINITY
         });
     }
 
-    /// Calls `look_at` for every primitive that the ray may meet.
-    fn each_near(&self, ray: &Ray, look_at: &mut dyn FnMut(Option<u32>, u32)) {
+    /// Calls `look_at` for one primitive, or for those of an instance that the ray may meet before
+    /// `reach`.
+    #[inline(never)]
+    fn near_single(
+        &self,
+        ray: &Ray,
+        number: u32,
+        (order, reach): (Order, f64),
+        look_at: &mut Look<'_>,
+    ) -> f64 {
+        if number & INSTANCE == 0 {
+            return look_at(None, number, self.primitive(number));
+        }
+        let instance = number & !INSTANCE;
+        let mut left = reach;
+        self.each_in_instance(ray, instance, order, reach, |primitive, corners| {
+            left = look_at(Some(instance), primitive, Primitive::Triangle(corners));
+            left
+        });
+        left
+    }
+
+    /// Calls `look_at` for every primitive that the ray may meet. It says how far the ray reaches
+    /// from then on.
+    fn each_near(&self, ray: &Ray, order: Order, look_at: &mut Look<'_>) {
         with_vectors!(
             self.level,
-            simd => self.each_near_with(simd, ray, look_at),
-            else self.each_near_with(Fallback::new(), ray, look_at)
+            simd => self.each_near_with(simd, ray, order, look_at),
+            else self.each_near_with(Fallback::new(), ray, order, look_at)
         );
     }
 
     #[inline(always)]
-    fn each_near_with<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        look_at: &mut dyn FnMut(Option<u32>, u32),
-    ) {
+    fn each_near_with<S: Simd>(&self, simd: S, ray: &Ray, order: Order, look_at: &mut Look<'_>) {
         let Some(boxes) = BoxRay::new(simd, ray) else { return };
         let packs = PackRay::new(simd, ray, boxes.scale);
-        let mut limit = limit_of(f64::from(ray.t_max), boxes.scale);
+        let mut reach = f64::from(ray.t_max);
+        let mut limit = limit_of(reach, boxes.scale);
         let root = (Inside::node(0), 0.0);
         traverse(
             &self.nodes,
             &boxes,
-            Order::Any,
+            order,
             root,
             &mut limit,
             #[inline(always)]
             |leaf, limit| {
                 for pack in self.packs_of(leaf.inside).1 {
-                    let mut may = packs.meet(pack, leaf.way, *limit).may.to_bitmask();
-                    while may != 0 {
-                        look_at(None, pack.primitives[may.trailing_zeros() as usize % PACK]);
-                        may &= may - 1;
+                    let may = packs.meet(pack, leaf.way, *limit).may.to_bitmask() as u32;
+                    for lane in each_lane(may) {
+                        let (number, corners) = (pack.primitives[lane % PACK], pack.triangle(lane));
+                        reach = reach.min(look_at(None, number, Primitive::Triangle(corners)));
                     }
                 }
                 for number in self.singles_of(leaf) {
-                    self.near_single(ray, *number, look_at);
+                    reach = reach.min(self.near_single(ray, *number, (order, reach), look_at));
                 }
+                *limit = limit.min(limit_of(reach, boxes.scale));
                 false
             },
         );
     }
 }
+
+/// What is done with a primitive, which has the number of its instance, if it is of one, and its
+/// own.
+type Look<'a> = dyn FnMut(Option<u32>, u32, Primitive<'_>) -> f64 + 'a;
 
 /// Nothing else need be looked at.
 const ENOUGH: f64 = f64::NEG_INFINITY;

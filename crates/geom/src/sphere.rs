@@ -39,6 +39,15 @@ impl Sphere {
     /// An origin that lies on the sphere to within the rounding of double
     /// precision does not meet it there, only on the other side.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        self.crossings(ray)?
+            .into_iter()
+            .find(|t| *t > f64::from(ray.t_min) && *t < f64::from(ray.t_max))
+    }
+
+    /// Both places where the line of a ray crosses the sphere, the lesser `t` first; both may lie
+    /// before the ray's start or beyond its end.
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray) -> Option<[f64; 2]> {
         let r = f64::from(self.radius);
         let d = ray.direction.as_dvec3();
         let f = ray.origin.as_dvec3() - self.center.as_dvec3();
@@ -64,9 +73,7 @@ impl Sphere {
         // a t² - 2 b t + c = 0; the root of larger size first, the other from c.
         let q = b + (a * discriminant).sqrt().copysign(b);
         let (t0, t1) = (c / q, q / a);
-        let (first, second) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
-        let inside = |t: &f64| *t > f64::from(ray.t_min) && *t < f64::from(ray.t_max);
-        Some(first).filter(inside).or(Some(second).filter(inside))
+        Some(if t0 < t1 { [t0, t1] } else { [t1, t0] })
     }
 
     /// The point of the sphere at `t` on the ray, a hit, and the outward unit normal there.

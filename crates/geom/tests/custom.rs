@@ -187,3 +187,20 @@ fn the_first_of_equal_custom_shapes_counts() {
     let hit = scene.closest(&Ray::new(Vec3::Z * 5.0, Vec3::NEG_Z)).unwrap();
     assert_eq!((hit.primitive, hit.u), (0, 0.0));
 }
+
+/// A ray that goes on from hit to hit comes to the far side of a custom shape, however that finds
+/// its hits, and to everything behind it, and to an end.
+#[test]
+fn a_ray_goes_on_through_custom_shapes() {
+    for shape in [Arc::new(Ball(1.5)) as Arc<dyn CustomShape>, Arc::new(Marched(1.5))] {
+        let balls = [-5.0, 0.0, 5.0].map(|z| {
+            Custom::new(Arc::clone(&shape), &Transform::translate(Vec3::new(0.3, -0.2, z)))
+        });
+        let scene = with(balls.to_vec(), vec![Sphere { center: Vec3::Z * 2.5, radius: 1.0 }]);
+        let ray = Ray::new(Vec3::new(0.1, 0.2, 20.0), Vec3::NEG_Z);
+        let first = scene.closest(&ray);
+        let all = std::iter::successors(first, |hit| scene.closest_after(&ray, hit));
+        let met: Vec<u32> = all.take(20).map(|hit| hit.primitive).collect();
+        assert_eq!(met, [3, 3, 0, 0, 2, 2, 1, 1]);
+    }
+}

@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use rutilant_geom::lanes::LANES;
 use rutilant_geom::triangle::TriangleRay;
 use rutilant_geom::{
-    BuildOptions, HitPacket, Quality, Ray, RayPacket, Simd, Surfaces, Vec3, offset_origin,
+    BuildOptions, Disk, HitPacket, Quality, Ray, RayPacket, Simd, Sphere, Surfaces, Vec3,
+    offset_origin,
 };
 
 /// Textbook formulas, every primitive in turn. A box left out wrongly, a wrong
@@ -62,6 +63,83 @@ fn the_tree_changes_no_bit() {
             }
         });
     }
+}
+
+/// From one hit to the next a ray comes to every surface on its way once, in the order of their
+/// distances and numbers, also to those in the same place: triangles, disks and spheres that are
+/// there three times, and all that the hard scenes have. Stepping on by the distance alone loses
+/// two of three; the order in which the tree is built, or a hit that is found twice, shows as well.
+#[test]
+fn one_after_the_other_all_surfaces_are_met() {
+    let mut random = Random(17);
+    let r = &mut random;
+    let corners: Vec<[Vec3; 3]> = (0..30).map(|_| [r.point(), r.point(), r.point()]).collect();
+    let turned = corners.iter().map(|[a, b, c]| [*a, *c, *b]);
+    let (positions, triangles) = meshes::soup(corners.iter().copied().chain(turned));
+    let again = triangles[..30].to_vec();
+    let spheres = (0..5).map(|_| Sphere { center: r.point(), radius: r.unit() }).collect();
+    let disks = (0..5).map(|_| Disk { center: r.point(), u: r.point(), v: r.point() }).collect();
+    let (spheres, disks) = (thrice(spheres), thrice(disks));
+    let options = BuildOptions::default();
+    let thrice = Surfaces::new(positions, [triangles, again].concat(), spheres, disks, &options);
+    for (name, scene) in meshes::hard_scenes().into_iter().chain([("thrice", thrice)]) {
+        let levels = at_every_level(&scene);
+        (0..2_000_u64).into_par_iter().for_each(|i| {
+            let ray = aimed_ray(&scene, &mut Random(i << 20));
+            let all = on_the_way(&scene, &ray);
+            for level in &levels {
+                let (mut hit, mut found) = (level.closest(&ray), Vec::new());
+                while let Some(met) = hit
+                    && found.len() < 1000
+                {
+                    found.push((met.t, met.primitive));
+                    hit = level.closest_after(&ray, &met);
+                }
+                assert_eq!(wide(&scene, &found), all, "{name}: {ray:?}");
+            }
+        });
+    }
+}
+
+/// Without the far sides of spheres that are met within a rounding of their near sides: `t_min`
+/// cannot tell the two apart, and so the test cannot.
+fn wide(scene: &Surfaces, all: &[(f32, u32)]) -> Vec<(f32, u32)> {
+    let first = scene.triangles().len() as u32;
+    let spheres = first..first + scene.spheres().len() as u32;
+    let is_far_side = |&(place, (t, i)): &(usize, (f32, u32))| {
+        let near = |other: &(f32, u32)| other.1 == i && other.0.next_up() >= t;
+        spheres.contains(&i) && all[..place].iter().any(near)
+    };
+    let kept = all.iter().copied().enumerate().filter(|hit| !is_far_side(hit));
+    kept.map(|(_, hit)| hit).collect()
+}
+
+fn thrice<T: Copy>(some: Vec<T>) -> Vec<T> {
+    [some.clone(), some.clone(), some].concat()
+}
+
+/// Everything that a ray meets, by trying everything: distances and numbers, in their order.
+fn on_the_way(scene: &Surfaces, ray: &Ray) -> Vec<(f32, u32)> {
+    let triangle_ray = TriangleRay::new(ray);
+    let mut all: Vec<(f64, u32)> = (0..scene.triangles().len() as u32)
+        .filter_map(|i| {
+            let [a, b, c] = scene.triangle(i);
+            triangle_ray.intersect(a, b, c).map(|hit| (hit.t, i))
+        })
+        .collect();
+    let first = scene.triangles().len() as u32;
+    for (sphere, i) in scene.spheres().iter().zip(first..) {
+        let Some(t) = sphere.intersect(ray) else { continue };
+        all.push((t, i));
+        let beyond = Ray { t_min: (t as f32).next_up(), ..*ray };
+        all.extend(sphere.intersect(&beyond).map(|t| (t, i)));
+    }
+    let first = first + scene.spheres().len() as u32;
+    for (disk, i) in scene.disks().iter().zip(first..) {
+        all.extend(disk.intersect(ray).map(|hit| (hit.t, i)));
+    }
+    all.sort_by(|a, b| a.partial_cmp(b).expect("no NaN leaves"));
+    wide(scene, &all.iter().map(|&(t, i)| (t as f32, i)).collect::<Vec<_>>())
 }
 
 /// Eight rays at once find what each finds alone, to the bit, with any instructions: rays that go

@@ -213,7 +213,7 @@ fn at_every_level(scene: &Surfaces) -> Vec<Surfaces> {
     levels.into_iter().filter_map(|simd| scene.clone().with_simd(simd)).collect()
 }
 
-/// Closest hits, blocked rays and packets have the bits that copies of the mesh give, ties
+/// Closest hits, those after them, blocked rays and packets have the bits that copies of the mesh give, ties
 /// included: a vertex mapped otherwise, too little room for rounding, a lost side of a mirrored
 /// triangle, a wrong end of a ray all show here.
 #[test]
@@ -231,6 +231,15 @@ fn instances_are_met_as_copies_are() {
                     let found = both.told(level.closest(&ray), false);
                     assert_eq!(found, expected, "{}: {ray:?}", both.name);
                     assert_eq!(level.occluded(&ray), blocked, "{}: {ray:?}", both.name);
+                }
+                // And all that comes after it, one by one.
+                let (mut copy, mut place) =
+                    (both.copies.closest(&ray), both.instances.closest(&ray));
+                while let (Some(met), Some(there)) = (copy, place) {
+                    copy = both.copies.closest_after(&ray, &met);
+                    place = both.instances.closest_after(&ray, &there);
+                    let (copied, placed) = (both.told(copy, true), both.told(place, false));
+                    assert_eq!(placed, copied, "{}: {ray:?}", both.name);
                 }
                 usize::from(expected.is_some())
             })

@@ -94,11 +94,11 @@ fn follow_through<'p>(
     let (mut through, mut passed) = (Spectrum::WHITE, false);
     for _ in 0..MOST_PASSES {
         let material = scene.material(&at);
-        if material.passes {
+        let next = if material.passes {
             let left = through * transmittance(media.absorption, hit.t);
             glowing(&Glowing { at: &at, through: left, beyond_passed: passed });
-            // Every step leaves at least this surface behind.
-            ray.t_min = hit.t.next_up();
+            // Every step leaves this surface behind, but none that is in the same place.
+            scene.closest_after(ray, &hit)
         } else {
             let from_front = at.wo_local().z > 0.0;
             let ranked = material.border.and_then(|b| b.rank.map(|rank| (b, rank)));
@@ -137,9 +137,10 @@ fn follow_through<'p>(
             *media = beyond;
             passed = true;
             *ray = Ray::new(ends[1], ray.direction);
-        }
+            scene.closest(ray)
+        };
         *rays += 1;
-        let Some(next) = scene.closest(ray) else {
+        let Some(next) = next else {
             let sky = to_the_sky(media);
             return Way { through: through * sky.through, passed, met: None };
         };

@@ -32,7 +32,7 @@ pub struct Scene {
     /// Triangle meshes that objects share; [`MeshId`] counts in this array.
     pub meshes: Vec<Mesh>,
     /// Pictures that environments use; [`ImageId`] counts in this array.
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
     /// Shapes that stand in the world, each with its material.
     pub objects: Vec<Object>,
     /// Lights without a surface. Objects with an emitting material are lights as well.
@@ -80,8 +80,8 @@ impl Scene {
     }
 
     /// Adds an image and returns its id.
-    pub fn add_image(&mut self, image: Image) -> ImageId {
-        self.images.push(image);
+    pub fn add_image(&mut self, image: impl Into<Arc<Image>>) -> ImageId {
+        self.images.push(image.into());
         ImageId(last_index(&self.images))
     }
 

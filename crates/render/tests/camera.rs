@@ -526,7 +526,7 @@ fn an_equirectangular_picture_of_a_sky_is_its_map() {
         (towards_x, -std::f32::consts::FRAC_PI_2),
     ] {
         let mut scene = Scene::new(camera);
-        scene.images.push(map.clone());
+        scene.add_image(map.clone());
         scene.environment = Some(Environment { rotation, ..Environment::image(ImageId(0)) });
         for integrator in [IntegratorKind::Path, IntegratorKind::Direct] {
             let settings = Settings {

@@ -18,6 +18,7 @@ use rutilant::math::warp;
 use rutilant::scene::{ImageId, Scene};
 use rutilant::settings::{SamplerKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
+use std::sync::Arc;
 
 fn empty() -> Scene {
     Scene::new(Perspective::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0).unwrap())
@@ -61,7 +62,7 @@ fn sky(width: u32, height: u32) -> Image {
 fn under(mut environment: Environment, rotation: f32, image: Option<Image>) -> Scene {
     let mut scene = empty();
     environment.rotation = rotation;
-    scene.images.extend(image);
+    scene.images.extend(image.map(Arc::new));
     scene.environment = Some(environment);
     scene
 }

@@ -3,9 +3,10 @@
 mod common;
 
 use common::{assert_mean, mean, render, small};
+use rutilant::Prepared;
 use rutilant::camera::{Orthographic, Perspective};
 use rutilant::color::Rgb;
-use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::geom::{BuildOptions, Transform, Vec2, Vec3};
 use rutilant::light::Environment;
 use rutilant::material::{
     Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Mirror, Principled, Sides,
@@ -13,7 +14,7 @@ use rutilant::material::{
 };
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{SamplerKind, Settings, Strategy};
-use rutilant::shape::{Object, Shape};
+use rutilant::shape::{Mesh, Object, Shape};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 const WIDE: Shape = Shape::Rectangle { size: Vec2::splat(4000.0) };
@@ -105,6 +106,57 @@ fn light_comes_through_backs() {
     }
 }
 
+/// A face that is there twice, once for each side, is a face with two sides: whichever of the two
+/// comes first, in one mesh, in two, in meshes that are stored once; for the eye on both sides, and
+/// for the light that it keeps from a floor. Where the back is met first the front must not be lost.
+#[test]
+fn faces_wound_both_ways_have_two_sides() {
+    let (a, b, c, d) = ([0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]);
+    let corner = |x, y| 2000.0 * Vec3::new(x, y, 0.0);
+    let positions = vec![corner(-1., -1.), corner(1., -1.), corner(1., 1.), corner(-1., 1.)];
+    let mesh = |triangles: &[[u32; 3]]| Mesh {
+        positions: positions.clone(),
+        triangles: triangles.to_vec(),
+        ..Mesh::default()
+    };
+    for meshes in [
+        vec![mesh(&[a, b, c, d])],
+        vec![mesh(&[c, d, a, b])],
+        vec![mesh(&[a, d, b, c])],
+        vec![mesh(&[a, b]), mesh(&[d, c])],
+        vec![mesh(&[c, d]), mesh(&[b, a])],
+    ] {
+        let add = |scene: &mut Scene, material: Material, place: Transform| {
+            let material = scene.add_material(material);
+            for mesh in &meshes {
+                let shape = Shape::Mesh(scene.add_mesh(mesh.clone()));
+                put(scene, shape, material, place);
+            }
+        };
+        let assert_mean = |scene: &Scene, settings: Settings, expected, sigmas| {
+            for copies in [u32::MAX, 0] {
+                let options = BuildOptions { copies, ..BuildOptions::default() };
+                let prepared = Prepared::with_options(scene, &options).unwrap();
+                assert_mean(&common::render_prepared(prepared, settings.clone()), expected, sigmas);
+            }
+        };
+        for turn in [Transform::IDENTITY, over()] {
+            let camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 1.0).unwrap();
+            let mut scene = Scene::new(camera);
+            scene.environment = Some(Environment::constant(Rgb::WHITE));
+            add(&mut scene, one_sided(Matte::new(Rgb::grey(0.5))), turn);
+            assert_mean(&scene, small(4), 0.5, 0.0);
+        }
+        for strategy in [Strategy::Both, Strategy::LightOnly, Strategy::BsdfOnly] {
+            let mut scene = floor_and_lamp(black(), at(0.0), Emission::radiance(Rgb::WHITE).into());
+            scene.objects.remove(1);
+            add(&mut scene, one_sided(black()), at(1.0));
+            let settings = Settings { strategy, max_depth: Some(2), ..small(16) };
+            assert_mean(&scene, settings, 0.0, 0.0);
+        }
+    }
+}
+
 /// The back of a lamp that has only a front gives no light, even where both its sides should: its
 /// power is that of its front, and what lies behind it stays dark by every strategy.
 #[test]
@@ -131,7 +183,8 @@ fn the_back_of_a_lamp_gives_no_light() {
 }
 
 /// Caustics stay what chance finds where surfaces with only a front stand in the way of light: a
-/// sheet between glass and floor, either way up, a mirror, and a floor that is itself one. Light
+/// sheet between glass and floor, either way up and both in one place, a mirror, and a floor that is
+/// itself one. Light
 /// that is stopped where the camera sees it, or counted twice behind a front, shows here.
 #[test]
 fn caustics_agree_on_fronts() {
@@ -140,11 +193,14 @@ fn caustics_agree_on_fronts() {
     let (up, down) =
         (Transform::rotate(Vec3::X, -FRAC_PI_2), Transform::rotate(Vec3::X, FRAC_PI_2));
     let place = |x, y, z| Transform::translate(Vec3::new(x, y, z));
-    for (sheet, turn) in [
-        (one_sided(Matte::new(Rgb::grey(0.5))), up),
-        (one_sided(Matte::new(Rgb::grey(0.5))), down),
-        (one_sided(Mirror { reflectance: Rgb::grey(0.9) }), up),
-        (one_sided(Mirror { reflectance: Rgb::grey(0.9) }), down),
+    let (matte, mirror) = (Matte::new(Rgb::grey(0.5)), Mirror { reflectance: Rgb::grey(0.9) });
+    for (sheet, turns) in [
+        (one_sided(matte), vec![up]),
+        (one_sided(matte), vec![down]),
+        (one_sided(matte), vec![up, down]),
+        (one_sided(matte), vec![down, up]),
+        (one_sided(mirror), vec![up]),
+        (one_sided(mirror), vec![down]),
     ] {
         let mut scene = Scene::new(camera.unwrap());
         let floor = scene.add_material(one_sided(Matte::new(Rgb::grey(0.7))));
@@ -154,8 +210,10 @@ fn caustics_agree_on_fronts() {
         put(&mut scene, rectangle(40.0), floor, up);
         put(&mut scene, Shape::Sphere { radius: 0.3 }, glass, place(0.0, 0.5, 0.0));
         put(&mut scene, Shape::Sphere { radius: 0.3 }, lamp, place(-0.9, 2.4, -0.8));
-        put(&mut scene, rectangle(0.5), sheet, place(0.15, 0.12, 0.2) * turn);
-        put(&mut scene, rectangle(1.0), sheet, place(-0.45, 1.45, -0.4) * turn);
+        for turn in turns {
+            put(&mut scene, rectangle(0.5), sheet, place(0.15, 0.12, 0.2) * turn);
+            put(&mut scene, rectangle(1.0), sheet, place(-0.45, 1.45, -0.4) * turn);
+        }
         let settings = Settings { size: [16, 16], sampler: SamplerKind::Sobol, ..small(1024) };
         let with = mean(&render(&scene, settings.clone()), "G").0;
         let without = mean(&render(&scene, Settings { caustics: false, ..settings }), "G").0;

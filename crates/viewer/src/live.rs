@@ -101,6 +101,9 @@ pub(crate) struct Shown {
     pub(crate) look: Arc<Look>,
     /// How it was rendered.
     pub(crate) settings: Arc<Settings>,
+    /// Whether the rendering was over, and nothing is missing.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests wait for it"))]
+    pub(crate) finished: bool,
     pub(crate) picture: Arc<Developed>,
     /// The picture beside it.
     pub(crate) beside: Option<Arc<Developed>>,
@@ -138,7 +141,7 @@ struct Shared {
 struct Inbox {
     stage: Option<Box<Stage>>,
     wish: Option<Wish>,
-    images: Vec<Image>,
+    images: Vec<Arc<Image>>,
     job: Option<Job>,
     stop_job: bool,
     /// A place of the picture to focus on.
@@ -205,7 +208,7 @@ impl Live {
     }
 
     /// Another image behind those that the scene has.
-    pub(crate) fn add_image(&self, image: Image) {
+    pub(crate) fn add_image(&self, image: Arc<Image>) {
         self.tell(|inbox| inbox.images.push(image));
     }
 
@@ -290,8 +293,9 @@ struct Running {
     since: Option<Instant>,
     /// Time spent before that.
     spent: Duration,
-    /// The paths in the picture that was shown last.
-    shown: Option<u64>,
+    /// The paths in the picture that was shown last, and whether the rendering was over: what light
+    /// paths bring comes after the last path from the camera.
+    shown: Option<(u64, bool)>,
 }
 
 impl Running {
@@ -386,7 +390,7 @@ impl Worker {
     fn is_idle(&self) -> bool {
         let done = |r: &Running| {
             let progress = r.session.progress();
-            r.is_full() && progress.finished && r.shown == Some(progress.paths)
+            r.is_full() && progress.finished && r.shown == Some((progress.paths, true))
         };
         self.job.is_none() && self.running.as_ref().is_none_or(done)
     }
@@ -612,7 +616,7 @@ impl Worker {
         let Some(running) = &mut self.running else { return };
         let progress = running.session.progress();
         let spent = running.spent();
-        let news = running.shown != Some(progress.paths);
+        let news = running.shown != Some((progress.paths, progress.finished));
         if running.is_full() {
             // In the middle of a pass some pixels have a sample more than others: each shows the mean
             // of its own.
@@ -650,7 +654,7 @@ impl Worker {
     fn show(&mut self) {
         let (Some(running), Some(wish)) = (&mut self.running, &self.wish) else { return };
         let begin = Instant::now();
-        let Progress { samples, paths, .. } = running.session.progress();
+        let Progress { samples, paths, finished, .. } = running.session.progress();
         let mut image = running.session.snapshot();
         if samples == 0
             && let Some(coarse) = self.coarse.as_ref().filter(|c| c.stands_in_for(running))
@@ -662,12 +666,12 @@ impl Worker {
             let (look, integrator) = (Arc::clone(&running.look), running.integrator);
             self.coarse = Some(Coarse { look, integrator, image: Arc::clone(&image) });
         }
-        running.shown = Some(paths);
+        running.shown = Some((paths, finished));
         let picture = Arc::new(develop(image, &wish.view));
         let (look, settings) = (Arc::clone(&running.look), Arc::clone(&running.settings));
         let beside = self.develop_beside();
         self.number += 1;
-        let shown = Shown { number: self.number, look, settings, picture, beside };
+        let shown = Shown { number: self.number, look, settings, finished, picture, beside };
         *locked(&self.shared.shown) = Some(shown);
         // At most thirty pictures a second, and no more than a sixteenth of the time for them.
         let took = begin.elapsed();

@@ -10,7 +10,7 @@ use super::check;
 use super::codes::{Codes, Samples};
 use crate::limits::Limits;
 use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder};
 use std::io::Cursor;
 
 /// Deflate makes at most 1032 bytes of one; a bit per pixel becomes a byte.
@@ -39,18 +39,17 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Codes, String> {
     let color = decoder.color_type();
     check::size(width.into(), height.into(), limits, 1, bytes.len(), EXPANSION)?;
     let channels = usize::from(color.channel_count());
-    let total = usize::try_from(decoder.total_bytes()).map_err(|e| e.to_string())?;
-    let mut buffer = vec![0; total];
-    decoder.read_image(&mut buffer).map_err(|e| e.to_string())?;
 
-    let samples = match color {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-            Samples::Eight(buffer)
-        }
-        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-            let words = buffer.as_chunks::<2>().0.iter();
-            Samples::Sixteen(words.map(|&word| u16::from_ne_bytes(word)).collect())
-        }
+    // Unpacked to where they stay: there may be gigabytes.
+    let samples = match DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())? {
+        DynamicImage::ImageLuma8(codes) => Samples::Eight(codes.into_raw()),
+        DynamicImage::ImageLumaA8(codes) => Samples::Eight(codes.into_raw()),
+        DynamicImage::ImageRgb8(codes) => Samples::Eight(codes.into_raw()),
+        DynamicImage::ImageRgba8(codes) => Samples::Eight(codes.into_raw()),
+        DynamicImage::ImageLuma16(codes) => Samples::Sixteen(codes.into_raw()),
+        DynamicImage::ImageLumaA16(codes) => Samples::Sixteen(codes.into_raw()),
+        DynamicImage::ImageRgb16(codes) => Samples::Sixteen(codes.into_raw()),
+        DynamicImage::ImageRgba16(codes) => Samples::Sixteen(codes.into_raw()),
         _ => return Err(format!("pixels of type {color:?} are not read")),
     };
     Ok(Codes { width, height, channels, samples })

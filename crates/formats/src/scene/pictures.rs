@@ -98,11 +98,16 @@ impl Pictures {
         strict: bool,
         notes: &mut Vec<String>,
     ) -> Result<Vec<Arc<Bitmap>>, SceneError> {
-        let read: Vec<Result<Bitmap, String>> =
-            self.wanted.par_iter().map(|wanted| wanted.read(limits)).collect();
         let mut left = limits.texture_bytes;
-        let mut bitmaps = Vec::with_capacity(read.len());
-        for (wanted, read) in self.wanted.iter().zip(read) {
+        let mut bitmaps = Vec::with_capacity(self.wanted.len());
+        // No more at once than threads can read: small files may hold large pictures, and those that
+        // are too many in all must not all be there before that is known.
+        let some = self.wanted.chunks(rayon::current_num_threads());
+        let read = some.flat_map(|some| {
+            let read = some.par_iter().map(|wanted| wanted.read(limits));
+            some.iter().zip(read.collect::<Vec<Result<Bitmap, String>>>())
+        });
+        for (wanted, read) in read {
             let bitmap = match read {
                 Ok(bitmap) => bitmap,
                 Err(what) if strict => {

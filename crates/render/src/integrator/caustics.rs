@@ -69,6 +69,21 @@ struct LightPath<S> {
     sampler: S,
 }
 
+/// Which surfaces with only one side a path has met in one place.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Passed {
+    front: bool,
+    back: bool,
+}
+
+/// How a path goes on.
+enum Next {
+    End,
+    On,
+    /// With another surface in the same place.
+    Here(Hit),
+}
+
 /// What would come to the camera if nothing were in its way.
 struct Arrival {
     shadow_ray: Ray,
@@ -184,7 +199,7 @@ impl<'a> Caustics<'a> {
             alive.retain(|&path| {
                 let hit = packets[place / LANES].hit(place % LANES);
                 place += 1;
-                hit.is_some_and(|hit| self.advance(&mut paths[path], &hit, shown, &mut arrivals))
+                hit.is_some_and(|hit| self.advance(&mut paths[path], hit, shown, &mut arrivals))
             });
             let seen = self.free(&arrivals, |arrival: &Arrival| Some(arrival.shadow_ray), rays);
             splats.extend(seen.into_iter().map(|i| arrivals[i].splat));
@@ -261,21 +276,48 @@ impl<'a> Caustics<'a> {
 
     /// Takes a path to where it `hit` something, notes what arrives at the camera from there, and
     /// sends it on. False when it ends.
+    ///
+    /// Of several surfaces in one place the camera sees the first that is there from its side. It
+    /// sees what the light falls on from there, and from the other side what the light comes through.
     fn advance<S: Sampler>(
         &self,
         path: &mut LightPath<S>,
-        hit: &Hit,
+        hit: Hit,
         shown: &Splats,
         arrivals: &mut Vec<Arrival>,
     ) -> bool {
+        let (mut hit, mut before) = (hit, Passed::default());
+        loop {
+            match self.arrive(path, &hit, &mut before, shown, arrivals) {
+                Next::End => return false,
+                Next::On => return true,
+                Next::Here(next) => hit = next,
+            }
+        }
+    }
+
+    /// The same for one surface, before which the path met `before` in the same place.
+    fn arrive<S: Sampler>(
+        &self,
+        path: &mut LightPath<S>,
+        hit: &Hit,
+        before: &mut Passed,
+        shown: &Splats,
+        arrivals: &mut Vec<Arrival>,
+    ) -> Next {
         let at = self.scene.interaction(hit, path.ray.direction);
         let material = self.scene.material(&at);
         let varied = self.scene.varied_at(hit, &at, material);
         let material = varied.as_ref().unwrap_or(material);
         let (wo, from_front) = (at.wo_local(), at.wo_local().z > 0.0);
+        let first = *before == Passed::default();
         if material.one_sided && at.normal.dot(at.wo) < 0.0 {
             // The camera would see its front.
-            return false;
+            before.back = true;
+            if first {
+                path.left *= transmittance(path.media.absorption, hit.t);
+            }
+            return self.beyond(path, hit, &at, *before);
         }
         path.depth += 1;
         if path.depth == 1 && !material.one_sided {
@@ -283,14 +325,16 @@ impl<'a> Caustics<'a> {
                 self.density(path.emitter, path.from.as_ref(), path.ray.direction, hit.position);
             // One that could not have been chosen.
             if !(path.density > 0.0 && path.density.is_finite()) {
-                return false;
+                return Next::End;
             }
             path.weight = path.weight / path.density;
         }
         if let Some(border) = &material.border {
             path.media.arrive_declared(border, from_front);
         }
-        path.left *= transmittance(path.media.absorption, hit.t);
+        if first {
+            path.left *= transmittance(path.media.absorption, hit.t);
+        }
 
         // Of colours that are bent differently here only one goes on.
         let mut room = None;
@@ -300,7 +344,7 @@ impl<'a> Caustics<'a> {
         path.left *= worth;
 
         // What was thrown here may be seen by the camera.
-        let thrown = path.depth > 1 && path.depth < self.max_depth;
+        let thrown = path.depth > 1 && path.depth < self.max_depth && !before.front;
         if thrown && at.is_flat() && !material.bsdf.is_delta() {
             arrivals.extend(self.arrival(path, &at, hit, material, shown));
         }
@@ -308,23 +352,25 @@ impl<'a> Caustics<'a> {
         // The camera passes what it sees from behind, and so does this path, without a segment.
         if material.one_sided {
             path.depth -= 1;
-            path.passes += 1;
-            path.ray = Ray::new(at.surface_origin(true), path.ray.direction);
-            return path.passes < MOST_PASSES;
+            before.front = true;
+            return self.beyond(path, hit, &at, *before);
         }
 
         // On in a single direction, or not at all.
         if path.depth + 2 > self.max_depth || !material.bsdf.has_delta() {
-            return false;
+            return Next::End;
         }
         let bounce = Bounce::of_light(path.depth);
         let Some(sample) = bounce.scatter(&material.bsdf, wo, &path.sampler).filter(|s| s.delta)
         else {
-            return false;
+            return Next::End;
         };
         let crossed = sample.is_transmission(wo);
+        if if crossed { before.back } else { before.front } {
+            return Next::End;
+        }
         let ray = at.scattered_ray(&material.bsdf, &sample, crossed);
-        let Some(squeeze) = at.squeeze(ray.direction) else { return false };
+        let Some(squeeze) = at.squeeze(ray.direction) else { return Next::End };
         if let Some(border) = material.border.filter(|_| crossed) {
             path.media.pass_declared(&border, from_front);
         }
@@ -339,11 +385,33 @@ impl<'a> Caustics<'a> {
         let survival = survival(self.roulette, path.depth, path.left, material, true);
         if survival < 1.0 {
             if path.sampler.d1(bounce.roulette()) >= survival {
-                return false;
+                return Next::End;
             }
             path.left *= 1.0 / survival;
         }
-        true
+        Next::On
+    }
+
+    /// Behind a surface that has only one side: to the next in the same place, or on.
+    fn beyond<S: Sampler>(
+        &self,
+        path: &mut LightPath<S>,
+        hit: &Hit,
+        at: &SurfaceInteraction,
+        met: Passed,
+    ) -> Next {
+        path.passes += 1;
+        if path.passes >= MOST_PASSES {
+            return Next::End;
+        }
+        if let Some(next) = self.scene.also_met_by_light(&path.ray, hit) {
+            return Next::Here(next);
+        }
+        if met.back {
+            return Next::End;
+        }
+        path.ray = Ray::new(at.surface_origin(true), path.ray.direction);
+        Next::On
     }
 
     /// What the camera sees of a path that has come down on a surface.

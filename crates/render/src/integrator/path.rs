@@ -232,8 +232,8 @@ impl Path<'_> {
     }
 
     /// Light from one light that is chosen for `point`, as `at` is seen by lights, times the share
-    /// that light sampling has in finding it, scattered towards `wo`. `sides` are the absorptions on the side of `wo` and
-    /// beyond the surface.
+    /// that light sampling has in finding it, scattered towards `wo`. `sides` are the absorptions on
+    /// the side of `wo` and beyond the surface.
     #[expect(clippy::too_many_arguments, reason = "the state of the path, and nothing else")]
     fn direct_light<S: Sampler, C: Control>(
         &self,

@@ -12,6 +12,7 @@ use crate::math::warp;
 use crate::problem::{FINITE, LIGHT, NOT_NEGATIVE, Place, SceneProblem, number};
 use rutilant_geom::{Vec2, Vec3, real};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// A sky as the author describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +56,7 @@ impl Environment {
         Self { light, scale: 1.0, rotation: 0.0 }
     }
 
-    pub(crate) fn validate(&self, images: &[Image]) -> Result<(), SceneProblem> {
+    pub(crate) fn validate(&self, images: &[Arc<Image>]) -> Result<(), SceneProblem> {
         let place = Place::Environment;
         place.check("scale", [self.scale], NOT_NEGATIVE)?;
         place.check("rotation_degrees", [self.rotation], FINITE)?;
@@ -132,7 +133,7 @@ enum Sky {
 impl EnvironmentEmitter {
     /// From a valid environment and the scene's images. The number tells how many of the map's
     /// pixels were negative or no numbers; these give no light.
-    pub(crate) fn new(environment: &Environment, images: &[Image]) -> (Self, usize) {
+    pub(crate) fn new(environment: &Environment, images: &[Arc<Image>]) -> (Self, usize) {
         let (sky, mended) = match environment.light {
             EnvironmentLight::Constant(rgb) => {
                 (Sky::Constant(Spectrum::from(rgb) * environment.scale), 0)

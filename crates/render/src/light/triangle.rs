@@ -31,21 +31,9 @@ impl TriangleEmitter {
         &self.flat.glow
     }
 
-    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        self.flat.sample(from, u)
-    }
-
-    pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
-        self.flat.pdf(from, wi, position, normal)
-    }
-
     /// What it is.
     pub(super) fn flat(&self) -> &FlatEmitter {
         &self.flat
-    }
-
-    pub(super) fn power(&self) -> Spectrum {
-        self.flat.glow.power(self.flat.area)
     }
 }
 
@@ -66,21 +54,9 @@ impl ParallelogramEmitter {
         &self.flat.glow
     }
 
-    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
-        self.flat.sample(from, u)
-    }
-
-    pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
-        self.flat.pdf(from, wi, position, normal)
-    }
-
     /// What it is.
     pub(super) fn flat(&self) -> &FlatEmitter {
         &self.flat
-    }
-
-    pub(super) fn power(&self) -> Spectrum {
-        self.flat.glow.power(self.flat.area)
     }
 }
 
@@ -141,6 +117,10 @@ impl FlatEmitter {
         self.area
     }
 
+    pub(super) fn power(&self) -> Spectrum {
+        self.glow.power(self.area)
+    }
+
     pub(super) fn bounds(&self) -> EmitterBounds {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
         let fourth = if self.is_triangle { a } else { b + c - a };
@@ -178,7 +158,7 @@ impl FlatEmitter {
         (all > 1e-4).then_some(([first, second], all))
     }
 
-    fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
+    pub(super) fn sample(&self, from: Vec3, u: Vec2) -> Option<EmitterSample> {
         let Some(([first, second], all)) = self.seen(from) else {
             let LampPoint { position, normal } = self.point(u);
             return self.glow.sample_at(from, position, normal, self.area);
@@ -204,7 +184,7 @@ impl FlatEmitter {
         at.is_finite().then(|| at.clamp(Vec2::ZERO, Vec2::ONE))
     }
 
-    fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
+    pub(super) fn pdf(&self, from: Vec3, wi: Vec3, position: Vec3, normal: Vec3) -> f32 {
         match self.seen(from) {
             Some((_, solid_angle)) => 1.0 / solid_angle,
             None => area_to_solid_angle(1.0 / self.area, position - from, wi, normal),

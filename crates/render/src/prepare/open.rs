@@ -2,7 +2,8 @@
 //!
 //! Whether a ray meets a surface that is there in part is decided by chance,
 //! by a number made of the place and the ray's direction: the same ray meets
-//! the same surface, whoever asks, alone or among others.
+//! the same surface, whoever asks, alone or among others. Of surfaces in one
+//! place each has its own chance, by how many the ray meets before it there.
 //!
 //! Surfaces that have only a front are not there for rays that come from behind. Light goes the
 //! other way: what comes from behind is stopped, for the camera sees the front, and what comes
@@ -16,7 +17,7 @@ use crate::follow::MOST_PASSES;
 use crate::material::{Opacity, OpacityMode};
 use crate::sampler::{GOLDEN, mix};
 use rutilant_geom::lanes::each_lane;
-use rutilant_geom::{Hit, HitPacket, Ray, RayPacket};
+use rutilant_geom::{Hit, HitPacket, Ray, RayPacket, Vec3};
 
 impl Prepared {
     /// The surface that a ray meets first.
@@ -26,7 +27,17 @@ impl Prepared {
         if self.some_open { self.closest_there(ray, hit) } else { hit }
     }
 
-    /// The same for eight rays.
+    /// The surface that a ray meets next after `hit`, maybe in the same place.
+    pub(crate) fn closest_after(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
+        let next = self.surfaces.closest_after(ray, hit);
+        if !self.some_open {
+            return next;
+        }
+        let before = self.before_next(ray, hit, next.as_ref());
+        self.closest_for(ray, next, before, |hit, before| self.is_there(ray, hit, before))
+    }
+
+    /// The same for eight rays, from their start on.
     #[inline(always)]
     pub(crate) fn closest_packet(&self, rays: &RayPacket) -> HitPacket {
         let mut hits = self.surfaces.closest_packet(rays);
@@ -44,6 +55,15 @@ impl Prepared {
             self.see_past_holes(rays, &mut hits);
         }
         hits
+    }
+
+    /// What a ray of light meets next in the very place of `hit`, if there is more.
+    pub(crate) fn also_met_by_light(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
+        let here = Ray { t_max: ray.t_max.min(hit.t.next_up()), ..*ray };
+        let next = self.surfaces.closest_after(&here, hit);
+        let before = self.before_next(ray, hit, next.as_ref());
+        let is_whole = |hit: &Hit, before| self.is_whole(ray, hit, before);
+        self.closest_for(&here, next, before, is_whole).filter(|next| next.t == hit.t)
     }
 
     /// Whether anything is in a ray's way that rays do not pass.
@@ -76,7 +96,8 @@ impl Prepared {
             let hit = hits.hit(lane);
             if hit.as_ref().is_some_and(|hit| self.material_at(hit).opacity.is_some()) {
                 let ray = rays.ray(lane);
-                let there = self.closest_for(&ray, hit, |hit| self.is_whole(&ray, hit));
+                let is_whole = |hit: &Hit, before| self.is_whole(&ray, hit, before);
+                let there = self.closest_for(&ray, hit, 0, is_whole);
                 hits.set(lane, there.as_ref());
             }
         }
@@ -92,38 +113,53 @@ impl Prepared {
     /// What a ray meets first of what is there, if the first surface on its way is `hit`.
     #[inline(never)]
     fn closest_there(&self, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
-        self.closest_for(ray, hit, |hit| self.is_there(ray, hit))
+        self.closest_for(ray, hit, 0, |hit, before| self.is_there(ray, hit, before))
     }
 
-    /// The same where `is_there` says what is.
+    /// The same where `is_there` says what is, and the ray has met so many surfaces `before` in the
+    /// same place.
     fn closest_for(
         &self,
         ray: &Ray,
         mut hit: Option<Hit>,
-        is_there: impl Fn(&Hit) -> bool,
+        mut before: u32,
+        is_there: impl Fn(&Hit, u32) -> bool,
     ) -> Option<Hit> {
-        let mut ahead = *ray;
         for _ in 0..MOST_PASSES {
             let met = hit?;
-            if is_there(&met) {
+            if is_there(&met, before) {
                 return hit;
             }
-            ahead.t_min = met.t.next_up();
-            hit = self.surfaces.closest(&ahead);
+            hit = self.surfaces.closest_after(ray, &met);
+            before = if hit.is_some_and(|hit| hit.t == met.t) { before + 1 } else { 0 };
         }
         hit
+    }
+
+    /// How many surfaces a ray has met at the distance of the `next` one, which it meets after `hit`.
+    fn before_next(&self, ray: &Ray, hit: &Hit, next: Option<&Hit>) -> u32 {
+        if next.is_none_or(|next| next.t != hit.t) {
+            return 0;
+        }
+        let t_min = ray.t_min.max(hit.t.next_down());
+        let here = Ray { t_min, t_max: ray.t_max.min(hit.t.next_up()), ..*ray };
+        let first = self.surfaces.closest(&here);
+        let all = std::iter::successors(first, |met| self.surfaces.closest_after(&here, met));
+        let here = all.take(MOST_PASSES as usize).filter(|met| met.t == hit.t);
+        1 + here.take_while(|met| met != hit).count() as u32
     }
 
     /// Whether a ray is stopped although it passes some surfaces.
     #[inline(never)]
     fn occluded_beyond(&self, ray: &Ray) -> bool {
-        let mut ahead = *ray;
+        let (mut hit, mut before) = (self.surfaces.closest(ray), 0);
         for _ in 0..MOST_PASSES {
-            let Some(hit) = self.surfaces.closest(&ahead) else { return false };
-            if !self.material_at(&hit).passes && self.is_there(ray, &hit) {
+            let Some(met) = hit else { return false };
+            if !self.material_at(&met).passes && self.is_there(ray, &met, before) {
                 return true;
             }
-            ahead.t_min = hit.t.next_up();
+            hit = self.surfaces.closest_after(ray, &met);
+            before = if hit.is_some_and(|hit| hit.t == met.t) { before + 1 } else { 0 };
         }
         true
     }
@@ -137,21 +173,21 @@ impl Prepared {
         material.opacity.is_some() || material.one_sided && comes_from_behind(ray, hit)
     }
 
-    /// Whether there is something where a ray meets a surface.
-    fn is_there(&self, ray: &Ray, hit: &Hit) -> bool {
+    /// Whether there is something where a ray meets a surface, after so many `before` in that place.
+    fn is_there(&self, ray: &Ray, hit: &Hit, before: u32) -> bool {
         let only_behind = self.material_at(hit).one_sided && comes_from_behind(ray, hit);
-        !only_behind && self.is_whole(ray, hit)
+        !only_behind && self.is_whole(ray, hit, before)
     }
 
-    /// Whether there is no hole where a ray meets a surface.
-    fn is_whole(&self, ray: &Ray, hit: &Hit) -> bool {
+    /// Whether there is no hole where a ray meets a surface, after so many `before` in that place.
+    fn is_whole(&self, ray: &Ray, hit: &Hit, before: u32) -> bool {
         let object = self.object(hit);
         let Some(number) = self.materials[object.material as usize].opacity else { return true };
         let opacity = &self.opacities[number as usize];
         let amount = self.opacity_at(opacity, hit);
         match opacity.mode {
             OpacityMode::Mask { cutoff } => amount >= cutoff,
-            OpacityMode::Blend => chance(ray, hit) < amount,
+            OpacityMode::Blend => chance(ray, hit, before) < amount,
         }
     }
 
@@ -168,11 +204,12 @@ fn comes_from_behind(ray: &Ray, hit: &Hit) -> bool {
     hit.normal.dot(ray.direction) > 0.0
 }
 
-/// A number in [0, 1) for a ray at a surface, as good as drawn at random.
-fn chance(ray: &Ray, hit: &Hit) -> f32 {
-    let words = ray.direction.to_array().into_iter().chain(hit.position.to_array());
-    let hash = words
-        .chain([hit.t])
-        .fold(0_u64, |hash, word| mix((hash ^ u64::from(word.to_bits())).wrapping_add(GOLDEN)));
+/// A number in [0, 1) for a ray at a surface, after so many `before` in that place, as good as drawn
+/// at random. Numbers of surfaces and objects do not tell: they depend on what is stored how.
+fn chance(ray: &Ray, hit: &Hit, before: u32) -> f32 {
+    let vectors = [ray.direction, hit.position];
+    let words = vectors.iter().flat_map(Vec3::to_array).chain([hit.t]).map(f32::to_bits);
+    let words = words.chain((before > 0).then_some(before));
+    let hash = words.fold(0_u64, |hash, word| mix((hash ^ u64::from(word)).wrapping_add(GOLDEN)));
     (hash >> 40) as f32 / (1 << 24) as f32
 }

@@ -180,26 +180,38 @@ fn halved(bitmap: &Bitmap, codes: &Codes) -> Option<Bitmap> {
     let channels = bitmap.channels();
     let columns = covers(bitmap.width(), width);
     let rows = covers(bitmap.height(), height);
-    let texels = (0..height as usize).into_par_iter().flat_map_iter(|j| {
-        let (columns, rows) = (&columns, &rows);
+    let (columns, rows) = (&columns, &rows);
+    let values = |j: usize| {
         (0..width as usize).flat_map(move |i| {
             let [r, g, b, a] = mean(bitmap, codes, &columns[i], &rows[j]);
             [r, if channels == 2 { a } else { g }, b, a].into_iter().take(channels)
         })
-    });
+    };
     let is_alpha = |i: usize| bitmap.has_alpha() && i % channels == channels - 1;
     let code = |(i, value): (usize, f32)| match is_alpha(i) {
         true => (value / codes.alpha + 0.5) as usize,
         false => codes.nearest(value),
     };
-    let values: Vec<f32> = texels.collect();
-    let codes = || values.iter().copied().enumerate().map(code);
+    let of_row = |j: usize| values(j).enumerate().map(code);
+    let size = [width as usize * channels, height as usize];
     let texels = match bitmap.texels() {
-        Texels::Eight(_) => Texels::Eight(codes().map(|code| code as u8).collect()),
-        Texels::Sixteen(_) => Texels::Sixteen(codes().map(|code| code as u16).collect()),
-        Texels::Float(_) => Texels::Float(values),
+        Texels::Eight(_) => Texels::Eight(filled(size, |j| of_row(j).map(|code| code as u8))),
+        Texels::Sixteen(_) => Texels::Sixteen(filled(size, |j| of_row(j).map(|code| code as u16))),
+        Texels::Float(_) => Texels::Float(filled(size, values)),
     };
     Bitmap::new(width, height, channels, texels)
+}
+
+/// Rows of values, made each by itself, and nothing kept beside them: there may be a billion.
+fn filled<T: Clone + Default + Send, R: Iterator<Item = T>>(
+    [width, height]: [usize; 2],
+    row: impl Fn(usize) -> R + Sync,
+) -> Vec<T> {
+    let mut all = vec![T::default(); width * height];
+    all.par_chunks_mut(width).enumerate().for_each(|(j, values)| {
+        values.iter_mut().zip(row(j)).for_each(|(value, made)| *value = made);
+    });
+    all
 }
 
 /// For each of `to` parts of a row of `from` texels: which texels it covers, and how much of each,

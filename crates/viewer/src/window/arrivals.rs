@@ -1,5 +1,6 @@
 //! What other threads have finished: scenes, pictures, files.
 
+use super::files::{added_sky, name_in};
 use super::report::Happened;
 use super::state::{After, Dialog, Saved, Window, Work};
 use crate::history::History;
@@ -9,6 +10,8 @@ use crate::picture::View;
 use crate::source::{Document, Opening};
 use crate::watch::{Changed, Watch};
 use eframe::egui::{self, TextureOptions};
+use rutilant::light::{Environment, EnvironmentLight};
+use rutilant::scene::ImageId;
 use rutilant_formats::camera::FocusOn;
 use rutilant_formats::{CameraChoice, Look};
 use std::collections::BTreeSet;
@@ -142,7 +145,7 @@ impl Window {
         document.filed = changed_over(was, &look.settings, &document.filed);
         document.look = Look::clone(&look);
         self.saved = Some(Arc::clone(&look));
-        if document.file.as_deref() == Some(file) && self.image_names == document.image_names {
+        if document.file.as_deref() == Some(file) && added_sky(document, &look).is_none() {
             // What is rendered goes on.
             let mut cameras = document.cameras.iter_mut();
             if let Some(camera) = cameras.find(|camera| camera.name == look.camera.name) {
@@ -284,15 +287,26 @@ impl Window {
         if !same_textures {
             look.materials.clone_from(&theirs.materials);
         }
-        // The images are those of the file again: one that was added to them is read anew.
+        // Images that were added stay, behind those that the file has now.
+        let own_before = self.document.as_ref().map(|before| &before.image_names);
+        let same_images = own_before == Some(&document.image_names);
         let unchanged = before.as_ref().is_some_and(|b| b.environment == theirs.environment);
         let added_sky = self.added_sky().filter(|_| again && unchanged);
-        if added_sky.is_some() {
-            look.environment = theirs.environment;
+        if !(again && (same_images || added_sky.is_some())) {
+            self.added_images.clear();
+        }
+        if let Some(number) = added_sky
+            && let Some(Environment { light: EnvironmentLight::Image { image, .. }, .. }) =
+                &mut look.environment
+        {
+            *image = ImageId(document.image_names.len() as u32 + number);
+        }
+        for (_, image) in &self.added_images {
+            stage.scene.add_image(Arc::clone(image));
         }
         // States of before fit the scene as long as images and materials have their numbers.
         let names = |look: &Look| look.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
-        let fits = self.image_names == document.image_names
+        let fits = same_images
             && same_textures
             && before.as_ref().is_some_and(|before| names(before) == names(&theirs));
         stage.scene.camera = match look.camera.camera(look.settings.size) {
@@ -315,7 +329,8 @@ impl Window {
             None => History::new(look),
         };
         self.saved = Some(Arc::new(theirs));
-        self.image_names.clone_from(&document.image_names);
+        let added = self.added_images.iter().map(|(file, _)| name_in(&document, file));
+        self.image_names = document.image_names.iter().cloned().chain(added).collect();
         let watched = document.file.iter().chain(&document.files).cloned();
         self.watch_files(watched.collect::<Vec<_>>(), None, opening);
         let file_before = self.document.as_ref().and_then(|d| d.file.as_ref());
@@ -341,8 +356,5 @@ impl Window {
         self.live
             .stage(stage, Wish { look, view, paused: self.paused, endless: self.endless, beside });
         self.wished = None;
-        if let Some((file, sky)) = added_sky {
-            self.read_sky(file, sky);
-        }
     }
 }

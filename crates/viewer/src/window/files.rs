@@ -2,7 +2,7 @@
 
 use super::state::{Dialog, Saved, Window, Work};
 use crate::picture::samples_of;
-use crate::source::text_of;
+use crate::source::{Document, text_of};
 use eframe::egui;
 use rutilant::display::Display;
 use rutilant::image::Image;
@@ -10,7 +10,7 @@ use rutilant::light::{Environment, EnvironmentLight};
 use rutilant::scene::ImageId;
 use rutilant::settings::Settings;
 use rutilant_formats::image::{Format, Pixels, WriteOptions};
-use rutilant_formats::{named_from, replace_file};
+use rutilant_formats::{Look, named_from, replace_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -37,14 +37,9 @@ impl Window {
         self.read_image(file, move |file, image| Work::Sky { file, image, like, of });
     }
 
-    /// The sky and its file, where it is an image that the scene does not have by itself.
-    pub(super) fn added_sky(&self) -> Option<(PathBuf, Environment)> {
-        let document = self.document.as_ref()?;
-        let sky = self.history.as_ref()?.present().environment?;
-        let EnvironmentLight::Image { image: ImageId(id), .. } = sky.light else { return None };
-        let id = id as usize;
-        let name = self.image_names.get(id).filter(|_| id >= document.image_names.len())?;
-        Some((Path::new(&self.folder()).join(name), sky))
+    /// The number of the sky among the images that were added, where it is one of those.
+    pub(super) fn added_sky(&self) -> Option<u32> {
+        added_sky(self.document.as_ref()?, self.history.as_ref()?.present())
     }
 
     pub(super) fn read_image(
@@ -86,9 +81,9 @@ impl Window {
             self.message = Some("a sky needs a scene below it: open one first".into());
             return;
         };
-        let folder = document.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-        let id = ImageId(self.image_names.len() as u32);
-        self.image_names.push(named_from(folder, file));
+        let (id, picture) = (ImageId(self.image_names.len() as u32), Arc::new(picture));
+        self.image_names.push(name_in(document, file));
+        self.added_images.push((file.to_owned(), Arc::clone(&picture)));
         self.live.add_image(picture);
         self.edit(|look| {
             let light = match like.light {
@@ -212,4 +207,20 @@ fn write_scene<'i>(
         }
     }
     Ok(())
+}
+
+/// The number of the sky among the images that were added to a scene, where it is one of those.
+pub(super) fn added_sky(document: &Document, look: &Look) -> Option<u32> {
+    match look.environment?.light {
+        EnvironmentLight::Image { image: ImageId(id), .. } => {
+            id.checked_sub(document.image_names.len() as u32)
+        }
+        EnvironmentLight::Constant(_) => None,
+    }
+}
+
+/// The name by which a scene knows an image.
+pub(super) fn name_in(document: &Document, image: &Path) -> String {
+    let folder = document.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    named_from(folder, image)
 }

@@ -49,8 +49,11 @@ pub(crate) struct Window {
     pub(super) history: Option<History<Look>>,
     /// The look that the file has.
     pub(super) saved: Option<Arc<Look>>,
-    /// Names of all images, those that were added among them.
+    /// Names of all images, those that were added at the end.
     pub(super) image_names: Vec<String>,
+    /// The images that were added, with their files. Kept, so that a scene that is read again has
+    /// them at once.
+    pub(super) added_images: Vec<(PathBuf, Arc<Image>)>,
     pub(super) watch: Option<Watch>,
 
     pub(super) view: View,
@@ -202,6 +205,7 @@ impl Window {
             history: None,
             saved: None,
             image_names: Vec::new(),
+            added_images: Vec::new(),
             watch: None,
             view: View::default(),
             paused: false,

@@ -128,12 +128,11 @@ pub(super) fn build(items: &mut [Item], count: usize, nowhere: u64) -> Built {
 
 /// Makes the root here, and all else for each of its groups apart.
 fn grow_all(items: &mut [Item], root: Task) -> Vec<Node> {
-    let (mut node, tasks) = node_of(items, root, 0);
+    let (mut node, mut tasks) = node_of(items, root, 0);
     let mut rest = items;
     let mut parts = Vec::with_capacity(WIDTH);
     let mut start = 0;
     // In the order of the emitters.
-    let mut tasks = tasks;
     tasks.sort_unstable_by_key(|task| task.items.start);
     for task in tasks {
         let (_, from) = std::mem::take(&mut rest).split_at_mut(task.items.start - start);
