@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 /// Three unit vectors at right angles; `z` is the direction it was built around.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// First tangent.
     pub x: Vec3,

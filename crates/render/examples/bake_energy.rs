@@ -20,7 +20,7 @@ const FACETS: usize = 128;
 
 /// In the order of the file: angles, roughnesses, and indices of refraction, if any.
 const CONDUCTOR: [usize; 2] = [64, 32];
-const DIELECTRIC: [usize; 3] = [41, 24, 24];
+const DIELECTRIC: [usize; 3] = [49, 24, 30];
 
 /// The part of the angles up to the critical one, where there is one.
 const UP_TO_CRITICAL: f64 = 0.625;

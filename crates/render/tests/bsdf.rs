@@ -98,7 +98,7 @@ fn all() -> Vec<Entry> {
         layered("layers: coated glass", PrincipledParameters { coat: 0.7, ..clear }, true),
         layered(
             "layers: waves of varnish",
-            PrincipledParameters { coat_normal: Vec3::new(0.36, 0.0, 0.933), ..coated },
+            PrincipledParameters { coat_normal: Vec3::new(0.28, 0.0, 0.96), ..coated },
             false,
         ),
         layered(
@@ -106,6 +106,27 @@ fn all() -> Vec<Entry> {
             PrincipledParameters {
                 coat_normal: Vec3::new(0.0, -0.28, 0.96),
                 coat_roughness: 0.4,
+                ..coated
+            },
+            false,
+        ),
+        layered(
+            "layers: bumps under worn varnish",
+            PrincipledParameters {
+                normal: Vec3::new(0.48, 0.36, 0.8),
+                coat_normal: Vec3::new(0.0, -0.28, 0.96),
+                coat_roughness: 0.4,
+                roughness: 0.5,
+                ..coated
+            },
+            false,
+        ),
+        layered(
+            "layers: waves of frosted glass under varnish",
+            PrincipledParameters {
+                normal: Vec3::new(0.28, 0.0, 0.96),
+                transmission: 1.0,
+                roughness: 0.5,
                 ..coated
             },
             false,

@@ -102,6 +102,36 @@ fn albedo(layers: &bsdf::Principled, wo: Vec3) -> f32 {
     drawn.sum::<f32>() / SAMPLES as f32
 }
 
+/// A coat over black bumps shines as it does over a plane, also where light comes from below the
+/// plane that a bump describes.
+#[test]
+fn a_coat_shines_the_same_over_bumps() {
+    for coat_roughness in [0.0, 0.1, 0.3] {
+        for degrees in [0.0, 30.0, 45.0] {
+            for wo in [leaning(degrees), leaning(-degrees)] {
+                let seen = |normal_map| {
+                    let layers = Principled {
+                        base_color: Rgb::BLACK,
+                        specular: 0.0,
+                        coat: 1.0,
+                        coat_roughness,
+                        ..Principled::default()
+                    };
+                    let material = Material { normal_map, ..layers.into() };
+                    let mut scene = scene(material, &[leaning(53.0)], wo);
+                    scene.environment = Some(Environment::constant(Rgb::WHITE));
+                    mean(&render(&scene, small(256)), "G")
+                };
+                let ((flat, flat_error), (bumpy, error)) = (seen(None), seen(map(0)));
+                let error = 1e-5 + 4.0 * error.hypot(flat_error);
+                let what =
+                    format!("{coat_roughness} {wo}: {bumpy} ± {error}, {flat} without bumps");
+                assert!((bumpy - flat).abs() < error, "{what}");
+            }
+        }
+    }
+}
+
 /// White bumps under a clear coat send back nearly all light, from wherever they are seen, and no
 /// more than there is: no black halos where both normals part.
 #[test]

@@ -36,14 +36,14 @@ pub fn grid<const N: usize, T>(sizes: [usize; N], of: impl Fn([f64; N]) -> T) ->
 
 /// A table between whose entries straight lines are nowhere below the `truth` (`up` 1) or nowhere
 /// above it (`up` -1): entries move by as much as the truth bends away half-way to their
-/// neighbours, along all axes together, and then by what is still missing amidst them.
+/// neighbours, and then by what is still missing amidst them.
 pub fn bounding<const N: usize>(
     sizes: [usize; N],
     up: f64,
     truth: impl Fn([f64; N]) -> f64,
 ) -> Vec<f64> {
     let exact = grid(sizes, &truth);
-    let mut moved = exact.clone();
+    let mut most = vec![0.0_f64; exact.len()];
     for axis in 0..N {
         let stride: usize = sizes[axis + 1..].iter().product();
         // Of places on the far side, which have no next one, less than nothing.
@@ -51,7 +51,6 @@ pub fn bounding<const N: usize>(
             at[axis] += 0.5 / (sizes[axis] - 1) as f64;
             if at[axis] < 1.0 { truth(at) } else { up * f64::NEG_INFINITY }
         });
-        let mut most = vec![0.0_f64; exact.len()];
         for (number, half_way) in half_way.into_iter().enumerate() {
             if let Some(&next) = exact.get(number + stride) {
                 let beyond = up * (half_way - 0.5 * (exact[number] + next));
@@ -59,10 +58,8 @@ pub fn bounding<const N: usize>(
                 most[number + stride] = most[number + stride].max(beyond);
             }
         }
-        for (moved, most) in moved.iter_mut().zip(most) {
-            *moved += up * most;
-        }
     }
+    let moved: Vec<f64> = exact.iter().zip(most).map(|(exact, most)| exact + up * most).collect();
 
     // The corners of the cell that starts at an entry.
     let corners = |number: usize| {

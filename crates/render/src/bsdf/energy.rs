@@ -59,8 +59,8 @@ struct Shape {
 
 const CONDUCTOR: Shape = Shape { start: 0, angles: 64, roughnesses: 32, indices: 1 };
 /// From outside the denser medium; from inside follows.
-const OUTSIDE: Shape = Shape { start: 64 * 32, angles: 41, roughnesses: 24, indices: 24 };
-const INSIDE: Shape = Shape { start: OUTSIDE.start + 41 * 24 * 24, ..OUTSIDE };
+const OUTSIDE: Shape = Shape { start: 64 * 32, angles: 49, roughnesses: 24, indices: 30 };
+const INSIDE: Shape = Shape { start: OUTSIDE.start + 49 * 24 * 30, ..OUTSIDE };
 
 /// The part of the steps up to the critical angle, where there is one.
 const UP_TO_CRITICAL: f32 = 0.625;

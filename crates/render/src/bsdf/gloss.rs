@@ -437,7 +437,7 @@ mod tests {
     fn tables_hold_what_facets_see() {
         // As a film of half a wave does.
         let film = |cos: f32| 0.5 + 0.3 * real::cos(4.0 * cos);
-        let told = SeenFacets::cosines().map(film);
+        let told = Reflection::new(Reflection::cosines().map(film));
         for roughness in [0.1_f32, 0.35, 0.7, 1.0] {
             let (seen, alpha) = (SeenFacets::new(roughness), f64::from(roughness * roughness));
             let sent_on = |mu: f32| {
@@ -459,8 +459,7 @@ mod tests {
             assert!((got - expected).abs() < 0.012, "{roughness}: {got} {expected}");
         }
         // ∫ μ 2 μ dμ = 2/3, and of Schlick's rise it is 1/21.
-        let mean =
-            |of: &dyn Fn(f32) -> f32| SeenFacets::smooth_mean(&SeenFacets::cosines().map(of));
+        let mean = |of: &dyn Fn(f32) -> f32| Reflection::new(Reflection::cosines().map(of)).mean();
         assert!((mean(&|cos| cos) - 2.0 / 3.0).abs() < 1e-4);
         let schlick = |cos: f32| {
             let m = 1.0 - cos;
@@ -475,12 +474,12 @@ mod tests {
         for (roughness, anisotropy) in [(0.2_f32, 0.5_f32), (0.5, 0.9), (0.7, 0.35)] {
             let across = roughness * roughness;
             let along = across + (1.0 - across) * anisotropy * anisotropy;
-            let table = StretchedLoss::new(roughness, anisotropy, [along, across]);
+            let table = StretchedFacets::new(roughness, anisotropy, [along, across]);
             for mu in [0.1, 0.4, 1.0] {
                 for turn in [0.0, 0.6, 1.5] {
                     let w = direction(mu, turn);
                     let lost = 1.0 - sent_on([along, across].map(f64::from), w, |_| 1.0);
-                    let got = f64::from(table.at(w));
+                    let got = f64::from(table.lost(w));
                     assert!(
                         (got - lost).abs() < 0.012,
                         "{roughness} {anisotropy} {mu} {turn}: {got} {lost}"

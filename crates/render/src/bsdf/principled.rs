@@ -75,6 +75,8 @@ pub struct PrincipledParameters {
     /// The coat's own unit normal in the shading frame, on the front. What it mirrors below the
     /// surface is lost, so it should lean towards `wo` where it would do that.
     pub coat_normal: Vec3,
+    /// The same of all other layers.
+    pub normal: Vec3,
     /// What the fibres reflect; none if black.
     pub sheen_color: Spectrum,
     /// How much the fibres lean.
@@ -109,6 +111,7 @@ impl Default for PrincipledParameters {
             coat_roughness: 0.0,
             coat_ior: 1.5,
             coat_normal: Vec3::Z,
+            normal: Vec3::Z,
             sheen_color: Spectrum::BLACK,
             sheen_roughness: 0.5,
             iridescence: 0.0,
@@ -144,6 +147,8 @@ pub struct Principled {
     matte_through: Spectrum,
     coat: Option<Coat>,
     sheen: Option<Sheen>,
+    /// The frame of all layers but the coat, where that is not the shading frame.
+    frame: Option<Frame>,
     /// Cosine and sine of the tangent's angle; `None` where there is none to be seen.
     tangent: Option<Vec2>,
 }
@@ -177,6 +182,8 @@ struct Side {
     /// Index of refraction beyond over that on this side.
     eta: f32,
     loss: Loss,
+    /// The part of what crosses that layers above send back, by facets as if these mirrored it.
+    sent_back: f32,
     /// The part of what is lost that crosses the border when it is given back.
     crossing: f32,
 }
@@ -203,6 +210,8 @@ struct RoughCoat {
 struct View {
     /// In front of all layers.
     outside: bool,
+    /// The surface is seen, but all layers below the coat turn away.
+    turns_away: bool,
     /// The part of light that sheen leaves to what is below it, and sheen and coat together.
     below_sheen: f32,
     below_coat: f32,
@@ -214,8 +223,36 @@ struct View {
     left: f32,
     /// How often each way of scattering is drawn; all add up to 1.
     ways: Ways<f32>,
+    leaning: Leaning,
+}
+
+/// How layers lean to one another, in the frame of all but the coat.
+#[derive(Clone, Copy)]
+struct Leaning {
     /// The frame of the coat, where that is one of its own.
     coat: Option<Frame>,
+    /// The normal of the surface on the side of `wo`, where layers have others.
+    up: Option<Vec3>,
+    /// In front of all layers.
+    outside: bool,
+}
+
+impl Leaning {
+    /// Whether light between these directions goes through the surface.
+    fn crosses(&self, wo: Vec3, wi: Vec3) -> bool {
+        self.up.map_or(wo.z * wi.z, |up| up.dot(wi)) < 0.0
+    }
+
+    /// The mirror image of a direction in the surface, where layers lean: what they send below it
+    /// meets other bumps, and comes back up.
+    fn folded(&self, w: Vec3) -> Option<Vec3> {
+        self.up.map(|up| w - 2.0 * up.dot(w) * up)
+    }
+
+    /// A direction into which layers reflect what leaves along `wo`, if need be folded up.
+    fn above(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        self.folded(wi).filter(|_| self.crosses(wo, wi)).unwrap_or(wi)
+    }
 }
 
 /// The ways of scattering, and something about each.
@@ -339,6 +376,7 @@ impl Principled {
             matte_through: its.diffuse_transmission_color * its.diffuse_transmission,
             coat: Coat::new(&its),
             sheen: Sheen::new(its.sheen_color, its.sheen_roughness),
+            frame: (its.normal != Vec3::Z).then(|| Frame::around(its.normal)),
             tangent: is_stretched.then(|| {
                 let (s, c) = real::sin_cos(its.anisotropy_rotation);
                 Vec2::new(c, s)
@@ -388,29 +426,46 @@ impl Principled {
         // The border that light crosses.
         let ratio = its.eta.max(1.0 / its.eta);
         if clear > 0.0 && !its.thin_walled && ratio >= RoughDielectric::LEAST_RATIO {
-            layers.border = Some(Glass::new(its.eta, steepness, layers.share_given_back()));
+            layers.border = Some(Glass::new(
+                its.eta,
+                steepness,
+                layers.share_given_back(),
+                layers.mean_sent_back(),
+                &loss.with_mean(mean_lost),
+            ));
         }
         layers
     }
 
     /// How much of what the facets of a clear border lose may be given back, so that no light is
     /// made: what plain glass loses is known. Where less is reflected or less crosses, by some
-    /// factor, at least that part of it is lost; under a film nothing is sure. What coat and sheen
-    /// send back from above, and what is lost where facets are steeper one way than the other, were
-    /// compared with what is known, over all angles: by these parts it is always enough.
+    /// factor, at least that part of it is lost; under a film nothing is sure. What is lost where
+    /// facets are steeper one way than the other was compared with what is known, over all angles:
+    /// this part of it is always lost.
     fn share_given_back(&self) -> f32 {
-        const UNDER_LAYERS: f32 = 1.0 / 1.3;
         const STRETCHED: f32 = 1.0 / 1.5;
         let [r, g, b] = self.its.specular_color.channels();
         let reflects = self.its.specular * r.min(g).min(b);
         let plain = gloss::normal_reflectance(self.its.eta);
         let crosses = (1.0 - self.normal_gloss().max_channel()) / (1.0 - plain);
         let bare = self.film.map_or(1.0, |film| 1.0 - film.strength);
-        let layers = self.coat.is_some() || self.sheen.is_some();
         reflects.min(crosses).clamp(0.0, 1.0)
             * bare
-            * if layers { UNDER_LAYERS } else { 1.0 }
             * if self.tangent.is_some() { STRETCHED } else { 1.0 }
+    }
+
+    /// What coat and sheen send back of diffuse light that comes through the border from inside.
+    fn mean_sent_back(&self) -> f32 {
+        const STEPS: u32 = 6;
+        let cosines = (0..STEPS).map(|n| ((n as f32 + 0.5) / STEPS as f32).sqrt());
+        cosines.map(|mu| 1.0 - self.let_through(mu)).sum::<f32>() / STEPS as f32
+    }
+
+    /// The part of light that coat and sheen let through, under the cosine `mu` outside.
+    fn let_through(&self, mu: f32) -> f32 {
+        let sheen = self.sheen.map_or(0.0, |s| s.taken(mu));
+        let coat = self.coat.map_or(0.0, |c| c.weight * c.reflected(mu));
+        (1.0 - sheen) * (1.0 - coat)
     }
 
     /// The same over another index of refraction, where there is something behind it.
@@ -463,12 +518,12 @@ impl Principled {
 
     /// How often light is scattered into a single direction, seen from straight above.
     pub(super) fn delta_pmf(&self) -> f32 {
-        self.view(Vec3::Z, self.coat_frame(Vec3::Z)).ways.deltas()
+        self.view(Vec3::Z, self.leaning(Vec3::Z)).ways.deltas()
     }
 
     /// About what part of white light is sent on.
     pub(super) fn albedo(&self) -> Spectrum {
-        let view = self.view(Vec3::Z, self.coat_frame(Vec3::Z));
+        let view = self.view(Vec3::Z, self.leaning(Vec3::Z));
         let matte = (self.matte.albedo() + self.matte_through) * (view.left * self.opaque);
         let Crossing { reflected, passed, .. } = self.crossing(1.0, true);
         let clear = (reflected + self.its.base_color * passed) * self.clear;
@@ -483,12 +538,11 @@ impl Principled {
     /// [`sample`](Self::sample) draws `wi`, both in 1/sr. Without what goes into single directions.
     #[inline(never)]
     pub fn eval_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
-        let coat = self.coat_frame(wo);
-        let (wo, wi) = (self.turned(wo, wo), self.turned(wi, wo));
-        if wo.z == 0.0 || wi.z == 0.0 {
+        let (local, wi) = (self.turned(wo, wo), self.turned(wi, wo));
+        if local.z == 0.0 || wi.z == 0.0 {
             return (Spectrum::BLACK, 0.0);
         }
-        self.seen(&self.view(wo, coat), wo, wi)
+        self.seen(&self.view(local, self.leaning(wo)), local, wi)
     }
 
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`
@@ -499,28 +553,52 @@ impl Principled {
         if local.z == 0.0 {
             return None;
         }
-        let view = self.view(local, self.coat_frame(wo));
-        let sample = self.draw(&view, local, choice, u)?;
-        Some(BsdfSample { wi: self.turned_back(sample.wi, wo), ..sample })
+        let view = self.view(local, self.leaning(wo));
+        let (way, choice) = view.ways.choose(choice)?;
+        let single = match way {
+            Way::Mirror => self.mirrored(&view, local)?,
+            Way::Window => self.passed(&view, local)?,
+            Way::CoatMirror => self.mirrored_by_coat(&view, local)?,
+            Way::Coat
+            | Way::Sheen
+            | Way::Facet
+            | Way::Many
+            | Way::ManyGlass
+            | Way::ManyThin
+            | Way::Matte
+            | Way::MatteThrough => {
+                let (wi, eta) = self.draw(&view, local, way, choice, u)?;
+                // As others will see it, rounded.
+                let wi = self.turned_back(wi, wo).try_normalize()?;
+                let (value, pdf) = self.seen(&view, local, self.turned(wi, wo));
+                return (pdf > 0.0).then(|| BsdfSample {
+                    wi,
+                    weight: value / pdf,
+                    pdf,
+                    delta: false,
+                    eta,
+                });
+            }
+        };
+        Some(BsdfSample { wi: self.turned_back(single.wi, wo), ..single })
     }
 
-    fn draw(&self, view: &View, wo: Vec3, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        let (way, choice) = view.ways.choose(choice)?;
+    /// Draws a direction of one of the ways that spread light, with the index of refraction beyond
+    /// over that before the surface if it crosses that.
+    fn draw(&self, view: &View, wo: Vec3, way: Way, choice: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let up = Vec3::new(wo.x, wo.y, wo.z.abs());
         let facing = |w: Vec3| if wo.z < 0.0 { Vec3::new(w.x, w.y, -w.z) } else { w };
         let mut eta = 1.0;
         let above = match way {
-            Way::Mirror => return self.mirrored(view, wo),
-            Way::Window => return self.passed(view, wo),
-            Way::CoatMirror => return self.mirrored_by_coat(view, wo),
+            Way::Mirror | Way::Window | Way::CoatMirror => None,
             Way::Coat => {
-                let up = view.coat.map_or(up, |frame| frame.to_local(up));
-                let facet = self.coat?.rough?.ggx.sample_seen(up, u);
-                let mirrored = Some(2.0 * up.dot(facet) * facet - up).filter(|w| w.z > 0.0);
-                match &view.coat {
-                    None => mirrored,
-                    Some(frame) => mirrored.map(|w| frame.to_world(w)).filter(|w| w.z > 0.0),
-                }
+                let frame = &view.leaning.coat;
+                let seen_from = frame.map_or(wo, |frame| frame.to_local(wo));
+                let facet = self.coat?.rough?.ggx.sample_seen(seen_from, u);
+                let mirrored = 2.0 * seen_from.dot(facet) * facet - seen_from;
+                let mirrored = Some(mirrored).filter(|w| w.z > 0.0)?;
+                let mirrored = frame.map_or(mirrored, |frame| frame.to_world(mirrored));
+                return Some((view.leaning.above(wo, mirrored), 1.0));
             }
             Way::Sheen => Some(warp::uniform_hemisphere(u)),
             Way::Facet => {
@@ -562,9 +640,11 @@ impl Principled {
                 Some(-warp::cosine_hemisphere(u)).filter(|w| w.z < 0.0)
             }
         };
-        let wi = facing(above?.try_normalize()?);
-        let (value, pdf) = self.seen(view, wo, wi);
-        (pdf > 0.0).then(|| BsdfSample { wi, weight: value / pdf, pdf, delta: false, eta })
+        let wi = facing(above?);
+        if wo.z * wi.z < 0.0 {
+            return view.leaning.crosses(wo, wi).then_some((wi, eta));
+        }
+        Some((view.leaning.above(wo, wi), eta))
     }
 
     /// The mirrored direction, by base and coat together.
@@ -578,22 +658,24 @@ impl Principled {
             value += self.crossing(o, view.outside).reflected * self.clear;
         }
         value *= view.tint * view.tint * view.below_coat;
-        if let (Some(coat), None) = (self.smooth_coat(view), &view.coat) {
+        if let (Some(coat), None) = (self.smooth_coat(view), &view.leaning.coat) {
             value += Spectrum::splat(coat.weight * coat.reflected(o) * view.below_sheen);
         }
         let pdf = view.ways.mirror;
         let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-        Some(BsdfSample { wi, weight: value / pdf, pdf, delta: true, eta: 1.0 })
+        let sample = BsdfSample { wi, weight: value / pdf, pdf, delta: true, eta: 1.0 };
+        (!view.leaning.crosses(wo, wi)).then_some(sample)
     }
 
     /// The direction that a smooth coat with a normal of its own mirrors.
     fn mirrored_by_coat(&self, view: &View, wo: Vec3) -> Option<BsdfSample> {
-        let (coat, normal) = (self.smooth_coat(view)?, view.coat?.z);
-        let value = coat.weight * coat.reflected(cos_of_coat(view.coat.as_ref(), wo));
+        let (coat, normal) = (self.smooth_coat(view)?, view.leaning.coat?.z);
+        let value = coat.weight * coat.reflected(cos_of_coat(&view.leaning, wo));
         let pdf = view.ways.coat_mirror;
         let weight = Spectrum::splat(value * view.below_sheen) / pdf;
         let wi = (2.0 * wo.dot(normal) * normal - wo).try_normalize()?;
-        (wi.z > 0.0).then_some(BsdfSample { wi, weight, pdf, delta: true, eta: 1.0 })
+        let sample = BsdfSample { wi, weight, pdf, delta: true, eta: 1.0 };
+        (!view.leaning.crosses(wo, wi)).then_some(sample)
     }
 
     /// The way through a clear border that is smooth or thin.
@@ -610,15 +692,33 @@ impl Principled {
         let value = self.its.base_color * tint * (self.clear * crossing.passed * view.below_coat);
         let pdf = view.ways.window;
         let weight = value / (pdf * eta * eta);
-        (wi.z != 0.0).then_some(BsdfSample { wi, weight, pdf, delta: true, eta })
+        let sample = BsdfSample { wi, weight, pdf, delta: true, eta };
+        (wi.z != 0.0 && view.leaning.crosses(wo, wi)).then_some(sample)
     }
 
     /// What is sent from `wi` to `wo`, with the density of drawing it.
     fn seen(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        if view.leaning.crosses(wo, wi) {
+            let is_through = wo.z * wi.z < 0.0 && !view.turns_away;
+            return if is_through {
+                self.seen_through(view, wo, wi)
+            } else {
+                (Spectrum::BLACK, 0.0)
+            };
+        }
+        let (value, pdf) = self.reflected(view, wo, wi);
+        let Some(folded) = view.leaning.folded(wi) else { return (value, pdf) };
+        let (more, more_pdf) = self.reflected(view, wo, folded);
+        (value + more, pdf + more_pdf)
+    }
+
+    /// What layers send from `wi` to `wo` on one side of theirs, with the density of drawing it.
+    fn reflected(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         let (o, i) = (wo.z.abs(), wi.z.abs());
         let ways = &view.ways;
-        if wo.z * wi.z < 0.0 {
-            return self.seen_through(view, wo, wi);
+        if view.turns_away || wo.z * wi.z < 0.0 {
+            let (reflected, pdf) = self.by_coat(view, wo, wi);
+            return (Spectrum::splat(reflected), pdf);
         }
 
         // The base: metal and gloss by one facet and by several.
@@ -667,7 +767,7 @@ impl Principled {
             }
         }
         let tint_in = match &self.coat {
-            Some(coat) if view.outside => coat.leg(cos_of_coat(view.coat.as_ref(), wi)),
+            Some(coat) if view.outside => coat.leg(cos_of_coat(&view.leaning, wi)),
             _ => Spectrum::WHITE,
         };
         let mut value = base * view.tint * tint_in * view.below_coat;
@@ -687,7 +787,7 @@ impl Principled {
 
     /// What a facet of a rough coat sends from `wi` to `wo`, with the density of drawing it.
     fn by_coat(&self, view: &View, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let (wo, wi) = match &view.coat {
+        let (wo, wi) = match &view.leaning.coat {
             None => (wo, wi),
             Some(frame) => (frame.to_local(wo), frame.to_local(wi)),
         };
@@ -778,11 +878,11 @@ impl Principled {
         (value * tint * view.below_coat, pdf)
     }
 
-    /// What `wo` decides, in the frame of the tangent, where the frame of the coat is `coat`, if it
-    /// has one of its own.
-    fn view(&self, wo: Vec3, coat_frame: Option<Frame>) -> View {
+    /// What `wo` decides, in the frame of the layers.
+    fn view(&self, wo: Vec3, leaning: Leaning) -> View {
         let o = wo.z.abs();
-        let outside = wo.z > 0.0;
+        let outside = leaning.outside;
+        let turns_away = outside != (wo.z > 0.0);
         // The layers are in front, and on both sides of what has no inside.
         let below_sheen = match &self.sheen {
             Some(sheen) if outside => 1.0 - sheen.taken(o),
@@ -790,7 +890,7 @@ impl Principled {
         };
         let (coat, tint) = match &self.coat {
             Some(coat) if outside => {
-                let cos = cos_of_coat(coat_frame.as_ref(), wo);
+                let cos = cos_of_coat(&leaning, wo);
                 (coat.weight * coat.reflected(cos), coat.leg(cos))
             }
             _ => (0.0, Spectrum::WHITE),
@@ -813,7 +913,7 @@ impl Principled {
         };
         match self.coat {
             Some(Coat { rough: Some(_), .. }) => ways.coat = below_sheen * coat,
-            Some(Coat { rough: None, .. }) if coat_frame.is_some() => {
+            Some(Coat { rough: None, .. }) if leaning.coat.is_some() => {
                 ways.coat_mirror = below_sheen * coat;
             }
             Some(Coat { rough: None, .. }) => ways.mirror += below_sheen * coat,
@@ -839,6 +939,9 @@ impl Principled {
         } else {
             ways.mirror += below_coat * reflected;
         }
+        if turns_away {
+            ways = Ways { coat: ways.coat, coat_mirror: ways.coat_mirror, ..Ways::default() };
+        }
         let sum = ways.sum();
         ways = if sum > 0.0 { ways.scaled(1.0 / sum) } else { Ways::default() };
 
@@ -848,12 +951,12 @@ impl Principled {
             let sin = (1.0 - other.z * other.z).max(0.0).sqrt();
             let across = Vec2::new(wo.x, wo.y).normalize_or(Vec2::X) * sin;
             let other = Vec3::new(across.x, across.y, other.z);
-            let window = self.view(other, coat_frame).ways.window;
+            let window = self.view(other, Leaning { outside: true, ..leaning }).ways.window;
             let rest = ways.mirror + ways.spread_sum();
             let scale = if rest > 0.0 { (1.0 - window) / rest } else { 0.0 };
             ways = Ways { window, ..ways.scaled(scale) };
         }
-        View { outside, below_sheen, below_coat, tint, lost, left, ways, coat: coat_frame }
+        View { outside, turns_away, below_sheen, below_coat, tint, lost, left, ways, leaning }
     }
 
     /// What metal reflects at a facet: Schlick's approximation, and grazing light whole.
@@ -971,9 +1074,7 @@ impl Principled {
             return Crossing { reflected, passed, cos_beyond, cos_outside };
         }
         // From inside, coat and sheen stand behind the border and send their part back.
-        let sheen = self.sheen.map_or(0.0, |s| s.taken(cos_outside));
-        let coat = self.coat.map_or(0.0, |c| c.weight * c.reflected(cos_outside));
-        let through = (1.0 - sheen) * (1.0 - coat);
+        let through = self.let_through(cos_outside);
         let returned = Spectrum::splat(passed * (1.0 - through));
         Crossing {
             reflected: reflected + returned,
@@ -1018,38 +1119,44 @@ impl Principled {
         if self.clear > 0.0 { self.index_beyond(outside) } else { 1.0 }
     }
 
-    /// The frame of the coat, in that of the tangent, where it has a normal of its own; `wo` says from
-    /// where the surface is seen.
-    fn coat_frame(&self, wo: Vec3) -> Option<Frame> {
+    /// How layers lean to one another; `wo` says in the shading frame from where the surface is seen.
+    fn leaning(&self, wo: Vec3) -> Leaning {
+        let side = if wo.z < 0.0 { -1.0 } else { 1.0 };
         let normal = self.its.coat_normal;
-        if self.coat.is_none() || normal == Vec3::Z {
-            return None;
+        let coat_leans = self.coat.is_some() && (normal != Vec3::Z || self.frame.is_some());
+        let leans = coat_leans || self.frame.is_some();
+        Leaning {
+            coat: coat_leans.then(|| Frame::around(self.turned(side * normal, wo))),
+            up: leans.then(|| self.turned(side * Vec3::Z, wo)),
+            outside: wo.z > 0.0 || !self.has_inside(),
         }
-        let normal = if wo.z < 0.0 { -normal } else { normal };
-        Some(Frame::around(self.turned(normal, wo)))
     }
 
     fn smooth_coat(&self, view: &View) -> Option<&Coat> {
         self.coat.as_ref().filter(|c| c.rough.is_none() && view.outside)
     }
 
-    /// A direction in the frame of the tangent, on the side where the layers are if it has no
-    /// inside; `wo` says from where the surface is seen.
+    /// A direction in the frame of the layers, whose x axis is the tangent, on their side if the
+    /// surface has no inside; `wo` says in the shading frame from where it is seen.
     fn turned(&self, w: Vec3, wo: Vec3) -> Vec3 {
+        let w = self.frame.map_or(w, |frame| frame.to_local(w));
         let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
         self.tangent.map_or(w, |t| Vec3::new(t.x * w.x + t.y * w.y, t.x * w.y - t.y * w.x, w.z))
     }
 
     /// The way back.
     fn turned_back(&self, w: Vec3, wo: Vec3) -> Vec3 {
+        let w = self
+            .tangent
+            .map_or(w, |t| Vec3::new(t.x * w.x - t.y * w.y, t.x * w.y + t.y * w.x, w.z));
         let w = if wo.z < 0.0 && !self.has_inside() { Vec3::new(w.x, w.y, -w.z) } else { w };
-        self.tangent.map_or(w, |t| Vec3::new(t.x * w.x - t.y * w.y, t.x * w.y + t.y * w.x, w.z))
+        self.frame.map_or(w, |frame| frame.to_world(w))
     }
 }
 
-/// The cosine under which the coat sees `w`, in its own frame if it has one.
-fn cos_of_coat(frame: Option<&Frame>, w: Vec3) -> f32 {
-    frame.map_or(w.z.abs(), |frame| frame.z.dot(w).abs().min(1.0))
+/// The cosine under which the coat sees `w`.
+fn cos_of_coat(leaning: &Leaning, w: Vec3) -> f32 {
+    leaning.coat.map_or(w.z.abs(), |frame| frame.z.dot(w).abs().min(1.0))
 }
 
 impl Ways<f32> {
@@ -1100,28 +1207,36 @@ impl Facets {
     /// one way than the other, in proportion to what metal does.
     fn lost_by_glass(&self, side: &Side, w: Vec3) -> f32 {
         let mu = w.z.abs();
-        let Some(stretched) = &self.stretched else { return side.loss.at(mu) };
-        let roughness = stretched.equal_alpha(w).sqrt();
-        let usual = Loss::metal(roughness).at(mu);
-        let lost = Loss::glass(roughness, side.eta).at(mu);
-        let metal = stretched.lost(w);
-        if usual > 0.0 { (lost / usual).min(1.0) * metal } else { lost }
+        let lost = match &self.stretched {
+            None => side.loss.at(mu),
+            Some(stretched) => {
+                let roughness = stretched.equal_alpha(w).sqrt();
+                let usual = Loss::metal(roughness).at(mu);
+                let lost = Loss::glass(roughness, side.eta).at(mu);
+                if usual > 0.0 { (lost / usual).min(1.0) * stretched.lost(w) } else { lost }
+            }
+        };
+        if side.sent_back == 0.0 { lost } else { lost + (self.lost(w) - lost) * side.sent_back }
     }
 }
 
 impl Glass {
-    /// As [`RoughDielectric::new`], but only a `share` of what is lost is given back.
-    fn new(eta: f32, roughness: f32, share: f32) -> Self {
+    /// As [`RoughDielectric::new`], but only a `share` of what is lost is given back, and the part
+    /// `sent_back` of what comes from below is not let through by layers above, but mirrored: of
+    /// that as much is lost as facets of `metal` lose.
+    fn new(eta: f32, roughness: f32, share: f32, sent_back: f32, metal: &Loss) -> Self {
         let loss = |eta: f32| Loss::glass(roughness, eta).roughly_averaged();
         let (above, below) = (loss(eta), loss(1.0 / eta));
+        let below = below.with_mean(below.mean + (metal.mean - below.mean) * sent_back);
         // From the denser side so much less crosses.
         let denser = if eta < 1.0 { eta * eta } else { 1.0 };
         let through = Rise::mean_transmittance(eta) * denser / above.mean.max(below.mean);
         Self {
-            above: Side { eta, loss: above, crossing: through * below.mean },
+            above: Side { eta, loss: above, sent_back: 0.0, crossing: through * below.mean },
             below: Side {
                 eta: 1.0 / eta,
                 loss: below,
+                sent_back,
                 crossing: through * above.mean / (eta * eta),
             },
             share,

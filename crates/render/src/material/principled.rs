@@ -208,6 +208,7 @@ impl Principled {
             coat_roughness: self.coat_roughness,
             coat_ior: self.coat_ior,
             coat_normal: Vec3::Z,
+            normal: Vec3::Z,
             sheen_color: self.sheen_color.into(),
             sheen_roughness: self.sheen_roughness,
             iridescence: self.iridescence,

@@ -24,7 +24,8 @@ impl Prepared {
         }
         let corners = self.corners(hit, object, &vertices);
         let normal = interpolated(&corners);
-        match material.normal_map {
+        // Where the coat has another normal than what is below it, both lean to the interpolated one.
+        match material.normal_map.filter(|_| !material.own_coat) {
             None => flat.smoothed(normal, corners),
             Some(map) => flat.smoothed(self.bumped(hit, object, &vertices, normal, map), corners),
         }
@@ -50,24 +51,23 @@ impl Prepared {
         if mapped.dot(hit.normal) > 0.0 { mapped } else { normal }
     }
 
-    /// The normal of a coat in the shading frame of `at`, on the front: interpolated, and turned as its
-    /// own picture says, but not as that of what is below it (`KHR_materials_clearcoat`).
-    pub(super) fn coat_normal(
+    /// The normal of a layer in the shading frame of `at`, on the front: the interpolated one, turned
+    /// as the layer's own picture says, if it has one.
+    pub(super) fn layer_normal(
         &self,
         map: Option<NormalMap>,
         hit: &Hit,
         at: &SurfaceInteraction,
     ) -> Vec3 {
         let object = self.object(hit);
-        let Some(vertices) = self.vertices(hit, object) else { return at.bent(hit.normal) };
+        let (Some(map), Some(vertices)) = (map, self.vertices(hit, object)) else {
+            return Vec3::Z;
+        };
         let normal = match object.first_normal {
             None => hit.normal,
             Some(_) => interpolated(&self.corners(hit, object, &vertices)),
         };
-        at.bent(match map {
-            None => normal,
-            Some(map) => self.bumped(hit, object, &vertices, normal, map),
-        })
+        at.bent(self.bumped(hit, object, &vertices, normal, map))
     }
 
     /// What pictures and the colours of vertices make of the light that a surface gives at a place, if

@@ -89,13 +89,21 @@ impl Prepared {
                     self.textures.scalar(&ScalarInput { factor, texture }, &place)
                 };
                 let mut parameters = principled.varied(color, scalar);
-                if principled.is_anisotropic() {
-                    let turned = self.tangent_angle(principled, hit, &at.shading, &place);
-                    parameters.anisotropy_rotation = turned;
-                }
+                let mut frame = at.shading;
                 if own_coat {
-                    let map = principled.coat_normal_map;
-                    parameters.coat_normal = self.coat_normal(map, hit, at);
+                    let normal_map = self.materials[at.material as usize].normal_map;
+                    parameters.normal = self.layer_normal(normal_map, hit, at);
+                    parameters.coat_normal = self.layer_normal(principled.coat_normal_map, hit, at);
+                    let own = Frame::around(parameters.normal);
+                    frame = Frame {
+                        x: frame.to_world(own.x),
+                        y: frame.to_world(own.y),
+                        z: frame.to_world(own.z),
+                    };
+                }
+                if principled.is_anisotropic() {
+                    let turned = self.tangent_angle(principled, hit, &frame, &place);
+                    parameters.anisotropy_rotation = turned;
                 }
                 parameters.into()
             }
