@@ -2,14 +2,14 @@
 //!
 //! They change a draft of the look; the window compares it with what there was.
 
-use super::widgets::{color, degrees, drag, light, number, row, slider};
+use super::widgets::{color, degrees, drag, light, number, row, slider, strong_color};
 use eframe::egui::{CollapsingHeader, ComboBox, Ui};
 use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Dielectric, Emission, EmittedLight, MAX_DISPERSION, Material, MaterialKind, Matte,
-    Metal, Mirror, Principled, Sides, ThinDielectric, most_rough_dispersion,
+    Absorption, Dielectric, Emission, EmittedLight, MAX_DISPERSION, MAX_SPECULAR_COLOR, Material,
+    MaterialKind, Matte, Metal, Mirror, Principled, Sides, ThinDielectric, most_rough_dispersion,
 };
 use rutilant::settings::{Heuristic, IntegratorKind, Roulette, SamplerKind};
 use rutilant_formats::Look;
@@ -275,7 +275,7 @@ fn principled(ui: &mut Ui, m: &mut Principled) {
     }
     number(ui, "Diffuse roughness", &mut m.diffuse_roughness, 0.0..=1.0, false);
     number(ui, "Specular", &mut m.specular, 0.0..=1.0, false);
-    color(ui, "Specular colour", &mut m.specular_color);
+    strong_color(ui, "Specular colour", &mut m.specular_color, MAX_SPECULAR_COLOR);
     let is_smooth = m.roughness == 0.0 && m.anisotropy == 0.0;
     let highest = if m.thin_walled || is_smooth { 4.0 } else { 2.4 };
     if m.thin_walled || is_smooth || m.dispersion == 0.0 {

@@ -70,8 +70,13 @@ pub(super) fn color(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
     });
 }
 
-/// An amount of light of any size: a colour, and how much of it.
+/// An amount of light of nearly any size: a colour, and how much of it.
 pub(super) fn light(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
+    strong_color(ui, label, rgb, 1e9);
+}
+
+/// A colour whose channels lie between 0 and `most`: a colour up to 1, and how much of it.
+pub(super) fn strong_color(ui: &mut Ui, label: &str, rgb: &mut Rgb, most: f32) {
     row(ui, label, |ui, name| {
         let strength = rgb.0.into_iter().fold(0.0, f32::max);
         // What was dragged to nothing keeps its colour while it is dragged.
@@ -84,9 +89,9 @@ pub(super) fn light(ui: &mut Ui, label: &str, rgb: &mut Rgb) {
         let mut amount = strength;
         let colored = ui.color_edit_button_rgb(&mut tint).labelled_by(name).changed();
         let speed = f64::from(strength).max(0.01) * 0.01;
-        let value = drag(&mut amount).speed(speed).range(0.0..=1e9).max_decimals(4);
+        let value = drag(&mut amount).speed(speed).range(0.0..=most).max_decimals(4);
         if ui.add(value).labelled_by(name).changed() || colored {
-            rgb.0 = tint.map(|c| (c * amount).clamp(0.0, 1e9));
+            rgb.0 = tint.map(|c| (c * amount).clamp(0.0, most));
             ui.data_mut(|data| data.insert_temp(kept, tint));
         }
     });
