@@ -95,9 +95,8 @@ fn main() -> ExitCode {
                 all * between(mu.sqrt(), angles, |a| of(start + a))
             })
         };
-        for k in 0..SEEN_COSINES {
-            put(over_angles(&|i| entries[i][k]));
-        }
+        let parts: [f64; SEEN_COSINES] = std::array::from_fn(|k| over_angles(&|i| entries[i][k]));
+        parts.into_iter().for_each(&mut put);
         put(over_angles(&|i| more[i]));
     }
 
@@ -138,9 +137,9 @@ fn main() -> ExitCode {
             });
             means.sum::<f64>() / f64::from(steps)
         };
-        for k in 0..STRETCHED_COSINES {
-            put(over_directions(&|i| (1.0 - lost[i]) * entries[i][k]));
-        }
+        let parts: [f64; STRETCHED_COSINES] =
+            std::array::from_fn(|k| over_directions(&|i| (1.0 - lost[i]) * entries[i][k]));
+        parts.into_iter().for_each(&mut put);
         put(over_directions(&|i| (1.0 - lost[i]) * more[i]));
         means.push(over_directions(&|i| lost[i]));
     }

@@ -120,7 +120,7 @@ fn white_layers_vanish_in_the_furnace() {
             // Along the tangent and across, where they differ most.
             let turned = directions(&[45.0, 70.0, 85.0, 89.0]).into_iter().step_by(2);
             wos.extend(turned.flat_map(|w| {
-                let sin = w.x.hypot(w.y);
+                let sin = (w.x * w.x + w.y * w.y).sqrt();
                 [Vec3::new(sin, 0.0, w.z), Vec3::new(0.0, sin, w.z)]
             }));
         } else {

@@ -5,7 +5,7 @@
 //!
 //! | in the file, the first line that fits        | here                        |
 //! |----------------------------------------------|-----------------------------|
-//! | `d` below 1, or `illum` 4, 6, 7, 9           | dielectric of index `Ni` (1.5 where absent or up to 1), coloured `Tf` after 1 m, rough by `Pr`; principled if `Pc`, `Ps` or `aniso` is not 0 |
+//! | `d` below 1, `Tr` above 0, or `illum` 4, 6, 7, 9 | dielectric of index `Ni` (1.5 where absent or up to 1), coloured `Tf` after 1 m, rough by `Pr`; principled if `Pc`, `Ps` or `aniso` is not 0 |
 //! | `Pr`, or one of `Pm`, `Pc`, `Ps`, `aniso` that is not 0 | principled: base `Kd`, metal `Pm`, rough by `Pr` (0.5 where absent), index `Ni`, coat `Pc` rough by `Pcr`, sheen `Ps`, `aniso` turned by `anisor` |
 //! | `illum` 5                                    | a mirror of `Ks` over matte `Kd` |
 //! | `illum` 3 or 8                               | the same, rough by `Ns` if that is given |
@@ -51,8 +51,9 @@ use crate::limits::Limits;
 use crate::shown::{decode, quoted};
 use rutilant::color::Rgb;
 use rutilant::material::{
-    Absorption, Bumps, Conductor, Dielectric, Emission, MAX_SPECULAR_COLOR, Material, MaterialKind,
-    Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode, Principled, PrincipledTextures,
+    Absorption, Bumps, Conductor, Dielectric, Emission, MAX_IOR, MAX_SPECULAR_COLOR,
+    MOST_ROUGH_RATIO, Material, MaterialKind, Matte, Mirror, Mix, NormalMap, Opacity, OpacityMode,
+    Principled, PrincipledTextures,
 };
 use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, TextureId};
 use rutilant::texture::{
@@ -177,12 +178,6 @@ const DEFAULT_ALBEDO: [f32; 3] = [0.8; 3];
 
 /// The index of refraction of glass, where the file has none that refracts.
 const DEFAULT_IOR: f32 = 1.5;
-
-/// The largest index of refraction that a material takes.
-const LARGEST_IOR: f32 = 10.0;
-
-/// Glass with a larger index than this must be smooth.
-const LARGEST_ROUGH_IOR: f32 = 2.5;
 
 /// More distinct statements than this are counted together: a file of garbage has a note, not a book.
 const MOST_LEFT_OUT: usize = 16;
@@ -449,7 +444,7 @@ impl<'a> Parser<'a> {
                     base_color: Rgb::WHITE,
                     metallic: 0.0,
                     // What is too dense to be rough is smooth.
-                    anisotropy: if glass.interior.ior > LARGEST_ROUGH_IOR {
+                    anisotropy: if glass.interior.ior > MOST_ROUGH_RATIO {
                         0.0
                     } else {
                         layers.anisotropy
@@ -536,7 +531,7 @@ impl<'a> Parser<'a> {
             return Surface::Plain(MaterialKind::Principled(Box::new(layers)));
         }
         let fresnel = |ni: f32| ((ni - 1.0) / (ni + 1.0)) * ((ni - 1.0) / (ni + 1.0));
-        let refracting = written.ni.filter(|ni| *ni > 1.0).map(|ni| ni.min(LARGEST_IOR));
+        let refracting = written.ni.filter(|ni| *ni > 1.0).map(|ni| ni.min(MAX_IOR));
         let ks = match (written.ks, written.map_ks) {
             (None | Some([0.0, 0.0, 0.0]), Some(_)) => [1.0; 3],
             (Some(ks), _) => ks,
@@ -592,7 +587,7 @@ impl<'a> Parser<'a> {
                 roughness: red(written.map_pr),
                 ..PrincipledTextures::default()
             },
-            ior: written.ni.filter(|ni| *ni > 1.0).map_or(DEFAULT_IOR, |ni| ni.min(LARGEST_IOR)),
+            ior: written.ni.filter(|ni| *ni > 1.0).map_or(DEFAULT_IOR, |ni| ni.min(MAX_IOR)),
             coat,
             coat_roughness: if coat > 0.0 { unit("Pcr", written.pcr) } else { 0.0 },
             sheen_color: Rgb::grey(unit("Ps", written.ps)),
@@ -605,10 +600,10 @@ impl<'a> Parser<'a> {
 
     fn dielectric(&mut self, written: &Written, shown: &str) -> Dielectric {
         let ior = match written.ni {
-            Some(ni) if ni > LARGEST_IOR => {
-                let what = format!("material {shown}: Ni {ni} is taken as {LARGEST_IOR}");
+            Some(ni) if ni > MAX_IOR => {
+                let what = format!("material {shown}: Ni {ni} is taken as {MAX_IOR}");
                 self.note(written.at, &what);
-                LARGEST_IOR
+                MAX_IOR
             }
             Some(ni) if ni > 1.0 => ni,
             Some(ni) => {
@@ -622,9 +617,9 @@ impl<'a> Parser<'a> {
         if let Some(pr) = written.pr {
             dielectric.roughness = self.in_unit("Pr", pr, written.at, shown);
         }
-        if dielectric.roughness > 0.0 && ior > LARGEST_ROUGH_IOR {
+        if dielectric.roughness > 0.0 && ior > MOST_ROUGH_RATIO {
             let what = format!(
-                "material {shown}: Pr is taken as 0, for glass with Ni above {LARGEST_ROUGH_IOR} \
+                "material {shown}: Pr is taken as 0, for glass with Ni above {MOST_ROUGH_RATIO} \
                  must be smooth"
             );
             self.note(written.at, &what);

@@ -410,6 +410,12 @@ mod tests {
         Vec3::new(sin * c, sin * s, mu)
     }
 
+    /// The file ends where the last table does: who wrote it and who reads it mean the same sizes.
+    #[test]
+    fn tables_fill_the_file() {
+        assert_eq!(TABLES.len(), 2 * (STRETCHED_LOST_MEANS + 10 * 9));
+    }
+
     /// The table of the rise is what it says, at entries and between them.
     #[test]
     fn tables_hold_what_gloss_reflects() {

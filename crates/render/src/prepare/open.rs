@@ -19,6 +19,10 @@ use crate::sampler::{GOLDEN, mix};
 use rutilant_geom::lanes::each_lane;
 use rutilant_geom::{Hit, HitPacket, Ray, RayPacket, Vec3};
 
+/// Of more surfaces than that in one place, to the last bit, the others are not met: to look through
+/// all of them again and again would take for ever.
+const MOST_IN_ONE_PLACE: u32 = 16;
+
 impl Prepared {
     /// The surface that a ray meets first.
     #[inline]
@@ -33,7 +37,7 @@ impl Prepared {
         if !self.some_open {
             return next;
         }
-        let before = self.before_next(ray, hit, next.as_ref());
+        let (next, before) = self.counted(ray, hit, next);
         self.closest_for(ray, next, before, |hit, before| self.is_there(ray, hit, before))
     }
 
@@ -61,7 +65,7 @@ impl Prepared {
     pub(crate) fn also_met_by_light(&self, ray: &Ray, hit: &Hit) -> Option<Hit> {
         let here = Ray { t_max: ray.t_max.min(hit.t.next_up()), ..*ray };
         let next = self.surfaces.closest_after(&here, hit);
-        let before = self.before_next(ray, hit, next.as_ref());
+        let (next, before) = self.counted(&here, hit, next);
         let is_whole = |hit: &Hit, before| self.is_whole(ray, hit, before);
         self.closest_for(&here, next, before, is_whole).filter(|next| next.t == hit.t)
     }
@@ -130,23 +134,37 @@ impl Prepared {
             if is_there(&met, before) {
                 return hit;
             }
-            hit = self.surfaces.closest_after(ray, &met);
-            before = if hit.is_some_and(|hit| hit.t == met.t) { before + 1 } else { 0 };
+            (hit, before) = self.next_of(ray, &met, self.surfaces.closest_after(ray, &met), before);
         }
         hit
     }
 
-    /// How many surfaces a ray has met at the distance of the `next` one, which it meets after `hit`.
-    fn before_next(&self, ray: &Ray, hit: &Hit, next: Option<&Hit>) -> u32 {
+    /// The surface that a ray meets after `hit`, if `next` is the next one there may be, with how many
+    /// the ray has met before it in the same place; `before` is that number for `hit`.
+    fn next_of(&self, ray: &Ray, hit: &Hit, next: Option<Hit>, before: u32) -> (Option<Hit>, u32) {
+        match next {
+            Some(next) if next.t == hit.t && before + 1 < MOST_IN_ONE_PLACE => {
+                (Some(next), before + 1)
+            }
+            Some(next) if next.t == hit.t => {
+                let beyond = Ray { t_min: hit.t.next_up(), ..*ray };
+                (self.surfaces.closest(&beyond), 0)
+            }
+            next => (next, 0),
+        }
+    }
+
+    /// The same where nobody has counted.
+    fn counted(&self, ray: &Ray, hit: &Hit, next: Option<Hit>) -> (Option<Hit>, u32) {
         if next.is_none_or(|next| next.t != hit.t) {
-            return 0;
+            return (next, 0);
         }
         let t_min = ray.t_min.max(hit.t.next_down());
         let here = Ray { t_min, t_max: ray.t_max.min(hit.t.next_up()), ..*ray };
         let first = self.surfaces.closest(&here);
         let all = std::iter::successors(first, |met| self.surfaces.closest_after(&here, met));
-        let here = all.take(MOST_PASSES as usize).filter(|met| met.t == hit.t);
-        1 + here.take_while(|met| met != hit).count() as u32
+        let here = all.take(MOST_IN_ONE_PLACE as usize).filter(|met| met.t == hit.t);
+        self.next_of(ray, hit, next, here.take_while(|met| met != hit).count() as u32)
     }
 
     /// Whether a ray is stopped although it passes some surfaces.
@@ -158,8 +176,7 @@ impl Prepared {
             if !self.material_at(&met).passes && self.is_there(ray, &met, before) {
                 return true;
             }
-            hit = self.surfaces.closest_after(ray, &met);
-            before = if hit.is_some_and(|hit| hit.t == met.t) { before + 1 } else { 0 };
+            (hit, before) = self.next_of(ray, &met, self.surfaces.closest_after(ray, &met), before);
         }
         true
     }

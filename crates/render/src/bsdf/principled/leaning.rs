@@ -19,15 +19,16 @@ impl Leaning {
         self.up.map_or(wo.z * wi.z, |up| up.dot(wi)) < 0.0
     }
 
-    /// The mirror image of a direction in the surface, where layers lean: what they send below it
-    /// meets other bumps, and comes back up.
+    /// The mirror image of a direction in the surface, where layers lean: what they send to the wrong
+    /// side of it meets other bumps, and comes back.
     pub(super) fn folded(&self, w: Vec3) -> Option<Vec3> {
         self.up.map(|up| w - 2.0 * up.dot(w) * up)
     }
 
-    /// A direction into which layers reflect what leaves along `wo`, if need be folded up.
-    pub(super) fn above(&self, wo: Vec3, wi: Vec3) -> Vec3 {
-        self.folded(wi).filter(|_| self.crosses(wo, wi)).unwrap_or(wi)
+    /// A direction into which layers send what leaves along `wo`, `through` the surface or not, if
+    /// need be folded onto that side.
+    pub(super) fn onto_side(&self, wo: Vec3, wi: Vec3, through: bool) -> Vec3 {
+        self.folded(wi).filter(|_| self.crosses(wo, wi) != through).unwrap_or(wi)
     }
 
     /// The cosine under which the coat sees `w`.

@@ -351,7 +351,7 @@ impl Principled {
                 let mirrored = 2.0 * seen_from.dot(facet) * facet - seen_from;
                 let mirrored = Some(mirrored).filter(|w| w.z > 0.0)?;
                 let mirrored = frame.map_or(mirrored, |frame| frame.to_world(mirrored));
-                return Some((view.leaning.above(wo, mirrored), 1.0));
+                return Some((view.leaning.onto_side(wo, mirrored, false), 1.0));
             }
             Way::Sheen => Some(warp::uniform_hemisphere(u)),
             Way::Facet => {
@@ -394,10 +394,8 @@ impl Principled {
             }
         };
         let wi = facing(above?);
-        if wo.z * wi.z < 0.0 {
-            return view.leaning.crosses(wo, wi).then_some((wi, eta));
-        }
-        Some((view.leaning.above(wo, wi), eta))
+        let through = wo.z * wi.z < 0.0;
+        Some((view.leaning.onto_side(wo, wi, through), eta))
     }
 
     /// What `wo` decides, in the frame of the layers.

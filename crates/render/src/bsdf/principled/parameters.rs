@@ -4,7 +4,7 @@ use crate::color::Spectrum;
 use rutilant_geom::Vec3;
 
 /// What a principled surface is at a point: plain numbers, which textures may drive. All but
-/// indices, angles and thicknesses lie between 0 and 1.
+/// indices, angles, thicknesses and `specular_color` lie between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipledParameters {
     /// What metal reflects at normal incidence, what a matte body sends back, and what is left of
@@ -14,7 +14,7 @@ pub struct PrincipledParameters {
     pub metallic: f32,
     /// How rough metal and gloss are; α is the square.
     pub roughness: f32,
-    /// How rough the matte body is: see [`OrenNayar`].
+    /// How rough the matte body is: see [`OrenNayar`](crate::bsdf::OrenNayar).
     pub diffuse_roughness: f32,
     /// How much steeper facets are along the tangent: α grows from there to 1 by the square.
     pub anisotropy: f32,

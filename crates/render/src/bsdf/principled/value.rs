@@ -26,9 +26,8 @@ impl Principled {
             value += Spectrum::splat(coat.weight * coat.reflected(o) * view.below_sheen);
         }
         let pdf = view.ways[Way::Mirror];
-        let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-        let sample = BsdfSample { wi, weight: value / pdf, pdf, delta: true, eta: 1.0 };
-        (!view.leaning.crosses(wo, wi)).then_some(sample)
+        let wi = view.leaning.onto_side(wo, Vec3::new(-wo.x, -wo.y, wo.z), false);
+        Some(BsdfSample { wi, weight: value / pdf, pdf, delta: true, eta: 1.0 })
     }
 
     /// The direction that a smooth coat with a normal of its own mirrors.
@@ -38,8 +37,8 @@ impl Principled {
         let pdf = view.ways[Way::CoatMirror];
         let weight = Spectrum::splat(value * view.below_sheen) / pdf;
         let wi = (2.0 * wo.dot(normal) * normal - wo).try_normalize()?;
-        let sample = BsdfSample { wi, weight, pdf, delta: true, eta: 1.0 };
-        (!view.leaning.crosses(wo, wi)).then_some(sample)
+        let wi = view.leaning.onto_side(wo, wi, false);
+        Some(BsdfSample { wi, weight, pdf, delta: true, eta: 1.0 })
     }
 
     /// The way through a clear border that is smooth or thin.
@@ -56,23 +55,20 @@ impl Principled {
         let value = self.its.base_color * tint * (self.clear * crossing.passed * view.below_coat);
         let pdf = view.ways[Way::Window];
         let weight = value / (pdf * eta * eta);
-        let sample = BsdfSample { wi, weight, pdf, delta: true, eta };
-        (wi.z != 0.0 && view.leaning.crosses(wo, wi)).then_some(sample)
+        let lies = wi.z == 0.0;
+        let wi = view.leaning.onto_side(wo, wi, true);
+        (!lies).then_some(BsdfSample { wi, weight, pdf, delta: true, eta })
     }
 
     /// What is sent from `wi` to `wo`, with the density of drawing it.
     pub(super) fn seen(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
-        if view.leaning.crosses(wo, wi) {
-            let is_through = wo.z * wi.z < 0.0 && !view.turns_away;
-            return if is_through {
-                self.seen_through(view, wo, wi)
-            } else {
-                (Spectrum::BLACK, 0.0)
-            };
-        }
-        let (value, pdf) = self.reflected(view, wo, wi);
+        let through = view.leaning.crosses(wo, wi);
+        let seen = |wi: Vec3| {
+            if through { self.seen_through(view, wo, wi) } else { self.reflected(view, wo, wi) }
+        };
+        let (value, pdf) = seen(wi);
         let Some(folded) = view.leaning.folded(wi) else { return (value, pdf) };
-        let (more, more_pdf) = self.reflected(view, wo, folded);
+        let (more, more_pdf) = seen(folded);
         (value + more, pdf + more_pdf)
     }
 
@@ -173,10 +169,13 @@ impl Principled {
 
     /// The same through the surface.
     fn seen_through(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
+        let (mut value, mut pdf) = (Spectrum::BLACK, 0.0);
+        if view.turns_away || wo.z * wi.z >= 0.0 {
+            return (value, pdf);
+        }
         let (o, i) = (wo.z.abs(), wi.z.abs());
         let ways = &view.ways;
         let eta = self.index_beyond(view.outside);
-        let (mut value, mut pdf) = (Spectrum::BLACK, 0.0);
 
         // Through a rough border: by one facet and by several.
         if let (Some(glass), Some(facets), true) =
