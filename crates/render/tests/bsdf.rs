@@ -385,10 +385,14 @@ fn scattering_is_reciprocal() {
                     let r = entry.bsdf.sample(s.wi, (k as f32 + 0.5) / 64.0, u)?;
                     (r.delta && r.wi.dot(wo) > 1.0 - 1e-5).then_some(r)
                 });
-                let Some(r) = reversed else { panic!("{}: no way back from {s:?}", entry.name) };
                 // No light path goes by a coat with a normal of its own: what is below it is seen
-                // under another angle on the way back.
-                let as_often = (r.pdf - s.pdf).abs() < 1e-3 || entry.name.contains("waves");
+                // under another angle on the way back, and what was folded up is not unfolded.
+                let waves = entry.name.contains("waves");
+                let Some(r) = reversed else {
+                    assert!(waves, "{}: no way back from {s:?}", entry.name);
+                    continue;
+                };
+                let as_often = (r.pdf - s.pdf).abs() < 1e-3 || waves;
                 assert!(
                     as_often && (r.eta * s.eta - 1.0).abs() < 1e-5,
                     "{}: {s:?} {r:?}",
