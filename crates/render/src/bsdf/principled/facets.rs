@@ -20,7 +20,7 @@ pub(super) struct Facets {
     pub(super) many_gloss: Spectrum,
 }
 
-/// Facets of glass that bend light: see [`RoughDielectric`].
+/// Facets of glass that bend light: see [`RoughDielectric`](crate::bsdf::RoughDielectric).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Glass {
     pub(super) above: Side,
@@ -47,11 +47,24 @@ impl Facets {
         self.stretched.map_or_else(|| self.loss.at(w.z.abs()), |s| s.lost(w))
     }
 
-    /// The mean of what is `told` over what they send on of light along `w`.
-    pub(super) fn reflected(&self, told: &Reflection, w: Vec3) -> f32 {
-        match &self.stretched {
-            None => self.seen.at(w.z.abs(), told),
-            Some(stretched) => stretched.at(w, told),
+    /// What gloss reflects at one facet of light along `w`, as a mean over what facets send on: as is
+    /// `told`, or as it rises from normal incidence to grazing.
+    pub(super) fn reflected(&self, told: Option<&Reflection>, ends: [f32; 2], w: Vec3) -> f32 {
+        let [normal, grazing] = ends;
+        match (told, &self.stretched) {
+            (None, _) => normal + (grazing - normal) * self.rise.at(w.z.abs()),
+            (Some(told), None) => self.seen.at(w.z.abs(), told),
+            (Some(told), Some(stretched)) => stretched.at(w, told),
+        }
+    }
+
+    /// The same as a mean over the cosine-weighted hemisphere, of all light.
+    pub(super) fn mean_reflected(&self, told: Option<&Reflection>, ends: [f32; 2]) -> f32 {
+        let [normal, grazing] = ends;
+        match (told, &self.stretched) {
+            (None, _) => normal * (1.0 - self.loss.mean) + (grazing - normal) * self.rise.mean,
+            (Some(told), None) => self.seen.mean(told),
+            (Some(told), Some(stretched)) => stretched.mean(told),
         }
     }
 

@@ -19,6 +19,11 @@ impl Leaning {
         self.up.map_or(wo.z * wi.z, |up| up.dot(wi)) < 0.0
     }
 
+    /// Whether the surface is seen along `wo`, but all layers below the coat turn away.
+    pub(super) fn turns_away(&self, wo: Vec3) -> bool {
+        self.outside != (wo.z > 0.0)
+    }
+
     /// The mirror image of a direction in the surface, where layers lean: what they send to the wrong
     /// side of it meets other bumps, and comes back.
     pub(super) fn folded(&self, w: Vec3) -> Option<Vec3> {

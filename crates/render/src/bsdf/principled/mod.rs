@@ -28,7 +28,7 @@ mod ways;
 pub use parameters::PrincipledParameters;
 
 use super::energy::Loss;
-use super::gloss::{self, Reflection, Rise, SeenFacets, StretchedFacets};
+use super::gloss::{self, COSINES, Reflection, Rise, SeenFacets, StretchedFacets};
 use super::microfacet::{Ggx, StretchedGgx};
 use super::oren_nayar::OrenNayar;
 use super::rough_dielectric::RoughDielectric;
@@ -78,10 +78,6 @@ pub struct Principled {
 
 /// What a direction `wo` decides.
 struct View {
-    /// In front of all layers.
-    outside: bool,
-    /// The surface is seen, but all layers below the coat turn away.
-    turns_away: bool,
     /// The part of light that sheen leaves to what is below it, and sheen and coat together.
     below_sheen: f32,
     below_coat: f32,
@@ -138,13 +134,10 @@ impl Principled {
         // Where the indices are the same there is no gloss.
         let grazing = if its.eta == 1.0 { 0.0 } else { its.specular };
         layers.most = [layers.normal_gloss().max_channel(), grazing];
-        let mean_rise = Rise::new(its.eta, 0.0).mean;
-        let [normal, grazing] = layers.most;
-        let gloss = (!is_rough || is_stretched || layers.film.is_some())
-            .then(|| Reflection::cosines().map(|cos| layers.gloss(cos)));
-        let told = gloss.map(|gloss| Reflection::new(gloss.map(Spectrum::max_channel)));
+        let gloss = || Reflection::cosines().map(|cos| layers.gloss(cos));
+        let most = |gloss: [Spectrum; COSINES]| Reflection::new(gloss.map(Spectrum::max_channel));
         if !is_rough {
-            layers.mean_left = 1.0 - told.map_or(0.0, |told| told.mean());
+            layers.mean_left = 1.0 - most(gloss()).mean();
             return layers;
         }
 
@@ -152,28 +145,24 @@ impl Principled {
         let loss = Loss::metal(steepness).roughly_averaged();
         let stretched = is_stretched
             .then(|| StretchedFacets::new(across.sqrt(), its.anisotropy, [along, across]));
-        layers.told = told.map(|told| {
-            told.raised(if is_stretched { StretchedFacets::STEP } else { SeenFacets::STEP })
-        });
+        let gloss = (is_stretched || layers.film.is_some()).then(gloss);
+        let step = if is_stretched { StretchedFacets::STEP } else { SeenFacets::STEP };
+        layers.told = gloss.map(|gloss| most(gloss).raised(step));
         let mean_lost = stretched.map_or(loss.mean, |s| s.mean_lost);
         let series = |f: f32| f * f * (1.0 - mean_lost) / (1.0 - f * mean_lost);
-        let [mean_metal, mean_gloss] = layers.mean_reflectances(gloss, mean_rise);
-        let rise = Rise::new(its.eta, steepness);
+        let [mean_metal, mean_gloss] = layers.mean_reflectances(gloss);
         let (many_metal, many_gloss) = (mean_metal.map(series), mean_gloss.map(series));
-        layers.facets = Some(Facets {
+        let facets = Facets {
             ggx: StretchedGgx { along, across: if is_stretched { across } else { along } },
             loss: loss.with_mean(mean_lost),
             stretched,
             seen: SeenFacets::new(steepness),
-            rise,
+            rise: Rise::new(its.eta, steepness),
             many_metal,
             many_gloss,
-        });
-        let once = match (&layers.told, &stretched) {
-            (None, _) => normal * (1.0 - mean_lost) + (grazing - normal) * rise.mean,
-            (Some(told), None) => SeenFacets::new(steepness).mean(told),
-            (Some(told), Some(stretched)) => stretched.mean(told),
         };
+        let once = facets.mean_reflected(layers.told.as_ref(), layers.most);
+        layers.facets = Some(facets);
         layers.mean_left = 1.0 - (once + mean_lost * many_gloss.max_channel());
 
         // The border that light crosses.
@@ -184,7 +173,7 @@ impl Principled {
                 steepness,
                 layers.share_given_back(),
                 layers.mean_sent_back(),
-                &loss.with_mean(mean_lost),
+                &facets.loss,
             ));
         }
         layers
@@ -358,13 +347,13 @@ impl Principled {
                 let facet = self.facets?.ggx.sample_seen(up, u);
                 let cos = up.dot(facet).clamp(0.0, 1.0);
                 let mirrored = 2.0 * cos * facet - up;
-                let crossing = self.crossing(cos, view.outside);
+                let crossing = self.crossing(cos, view.leaning.outside);
                 if choice < self.reflects(cos, &crossing) {
                     Some(mirrored).filter(|w| w.z > 0.0)
                 } else if self.its.thin_walled {
                     Some(-mirrored).filter(|w| w.z < 0.0).map(|w| Vec3::new(-w.x, -w.y, w.z))
                 } else {
-                    eta = self.index_beyond(view.outside);
+                    eta = self.index_beyond(view.leaning.outside);
                     let bent = (cos / eta - crossing.cos_beyond) * facet - up / eta;
                     Some(bent).filter(|w| w.z < 0.0)
                 }
@@ -372,9 +361,9 @@ impl Principled {
             Way::Many => Some(self.facets?.loss.sample(u)),
             Way::ManyThin => Some(-self.facets?.loss.sample(u)),
             Way::ManyGlass => {
-                let (side, beyond) = self.border.as_ref()?.seen_from(view.outside);
+                let (side, beyond) = self.border.as_ref()?.seen_from(view.leaning.outside);
                 if choice < side.crossing {
-                    eta = self.index_beyond(view.outside);
+                    eta = self.index_beyond(view.leaning.outside);
                     Some(-beyond.loss.sample(u))
                 } else {
                     Some(side.loss.sample(u))
@@ -389,7 +378,7 @@ impl Principled {
                 matte.filter(|w| w.z > 0.0)
             }
             Way::MatteThrough => {
-                eta = self.matte_index_beyond(view.outside);
+                eta = self.matte_index_beyond(view.leaning.outside);
                 Some(-warp::cosine_hemisphere(u)).filter(|w| w.z < 0.0)
             }
         };
@@ -402,7 +391,6 @@ impl Principled {
     fn view(&self, wo: Vec3, leaning: Leaning) -> View {
         let o = wo.z.abs();
         let outside = leaning.outside;
-        let turns_away = outside != (wo.z > 0.0);
         // The layers are in front, and on both sides of what has no inside.
         let below_sheen = match &self.sheen {
             Some(sheen) if outside => 1.0 - sheen.taken(o),
@@ -458,7 +446,7 @@ impl Principled {
         } else {
             ways[Way::Mirror] += below_coat * reflected;
         }
-        if turns_away {
+        if leaning.turns_away(wo) {
             ways = ways.only(&[Way::Coat, Way::CoatMirror]);
         }
         let sum = ways.sum();
@@ -476,7 +464,7 @@ impl Principled {
             ways = ways.scaled(scale);
             ways[Way::Window] = window;
         }
-        View { outside, turns_away, below_sheen, below_coat, tint, lost, left, ways, leaning }
+        View { below_sheen, below_coat, tint, lost, left, ways, leaning }
     }
 
     /// The index of refraction beyond the surface over that before it.
@@ -508,7 +496,7 @@ impl Principled {
     }
 
     fn smooth_coat(&self, view: &View) -> Option<&Coat> {
-        self.coat.as_ref().filter(|c| c.rough.is_none() && view.outside)
+        self.coat.as_ref().filter(|c| c.rough.is_none() && view.leaning.outside)
     }
 
     /// A direction in the frame of the layers, whose x axis is the tangent, on their side if the

@@ -59,11 +59,7 @@ impl Principled {
 
     /// What metal and gloss reflect as means over the cosine-weighted hemisphere; `gloss` is what the
     /// second reflects at some cosines, if that is known.
-    pub(super) fn mean_reflectances(
-        &self,
-        gloss: Option<[Spectrum; COSINES]>,
-        mean_rise: f32,
-    ) -> [Spectrum; 2] {
+    pub(super) fn mean_reflectances(&self, gloss: Option<[Spectrum; COSINES]>) -> [Spectrum; 2] {
         let mean = |reflected: [Spectrum; COSINES]| {
             let channel = |k: usize| Reflection::new(reflected.map(|r| r.channels()[k])).mean();
             Spectrum::from(std::array::from_fn(channel))
@@ -74,7 +70,10 @@ impl Principled {
             Some(_) => mean(Reflection::cosines().map(|cos| self.metal(cos))),
         };
         let grazing = self.its.specular;
-        let plain = || self.normal_gloss().map(|f| f + (grazing - f) * mean_rise);
+        let plain = || {
+            let rise = Rise::new(self.its.eta, 0.0).mean;
+            self.normal_gloss().map(|f| f + (grazing - f) * rise)
+        };
         [metal, gloss.map_or_else(plain, mean)]
     }
 
@@ -84,14 +83,10 @@ impl Principled {
     }
 
     pub(super) fn left_of(&self, lost: f32, w: Vec3) -> f32 {
-        let [normal, grazing] = self.most;
         let reflected = match &self.facets {
             None => self.gloss(w.z.abs()).max_channel(),
             Some(facets) => {
-                let once = match &self.told {
-                    None => normal + (grazing - normal) * facets.rise.at(w.z.abs()),
-                    Some(told) => facets.reflected(told, w),
-                };
+                let once = facets.reflected(self.told.as_ref(), self.most, w);
                 (1.0 - lost) * once + lost * facets.many_gloss.max_channel()
             }
         };

@@ -19,7 +19,7 @@ impl Principled {
             value += self.metal(o) * self.metal + self.gloss(o) * self.opaque;
         }
         if self.is_clear() {
-            value += self.crossing(o, view.outside).reflected * self.clear;
+            value += self.crossing(o, view.leaning.outside).reflected * self.clear;
         }
         value *= view.tint * view.tint * view.below_coat;
         if let (Some(coat), None) = (self.smooth_coat(view), &view.leaning.coat) {
@@ -43,8 +43,8 @@ impl Principled {
 
     /// The way through a clear border that is smooth or thin.
     pub(super) fn passed(&self, view: &View, wo: Vec3) -> Option<BsdfSample> {
-        let crossing = self.crossing(wo.z.abs(), view.outside);
-        let eta = self.index_beyond(view.outside);
+        let crossing = self.crossing(wo.z.abs(), view.leaning.outside);
+        let eta = self.index_beyond(view.leaning.outside);
         let wi = if eta == 1.0 {
             -wo
         } else {
@@ -76,7 +76,7 @@ impl Principled {
     fn reflected(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         let (o, i) = (wo.z.abs(), wi.z.abs());
         let ways = &view.ways;
-        if view.turns_away || wo.z * wi.z < 0.0 {
+        if view.leaning.turns_away(wo) || wo.z * wi.z < 0.0 {
             let (reflected, pdf) = self.by_coat(view, wo, wi);
             return (Spectrum::splat(reflected), pdf);
         }
@@ -94,7 +94,7 @@ impl Principled {
             let hidden = o * length_i + i * length_o;
             if hidden > 0.0 && ways[Way::Facet] > 0.0 {
                 let density = facets.ggx.density(facet) * 0.5;
-                let crossing = self.crossing(cos, view.outside);
+                let crossing = self.crossing(cos, view.leaning.outside);
                 base += self.rough_color(cos, &crossing) * (density * i / hidden);
                 pdf += ways[Way::Facet] * self.reflects(cos, &crossing) * density / (o + length_o);
             }
@@ -103,7 +103,7 @@ impl Principled {
             pdf += ways[Way::Many] * facets.loss.pdf(i);
         }
         if let (Some(glass), Some(facets)) = (&self.border, &self.facets) {
-            let (side, _) = glass.seen_from(view.outside);
+            let (side, _) = glass.seen_from(view.leaning.outside);
             let returning = 1.0 - side.crossing;
             let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(side, wi);
             let lobe = glass.share * lost * i * (FRAC_1_PI / side.loss.mean);
@@ -127,7 +127,7 @@ impl Principled {
             }
         }
         let tint_in = match &self.coat {
-            Some(coat) if view.outside => coat.leg(view.leaning.cos_of_coat(wi)),
+            Some(coat) if view.leaning.outside => coat.leg(view.leaning.cos_of_coat(wi)),
             _ => Spectrum::WHITE,
         };
         let mut value = base * view.tint * tint_in * view.below_coat;
@@ -170,18 +170,18 @@ impl Principled {
     /// The same through the surface.
     fn seen_through(&self, view: &View, wo: Vec3, wi: Vec3) -> (Spectrum, f32) {
         let (mut value, mut pdf) = (Spectrum::BLACK, 0.0);
-        if view.turns_away || wo.z * wi.z >= 0.0 {
+        if view.leaning.turns_away(wo) || wo.z * wi.z >= 0.0 {
             return (value, pdf);
         }
         let (o, i) = (wo.z.abs(), wi.z.abs());
         let ways = &view.ways;
-        let eta = self.index_beyond(view.outside);
+        let eta = self.index_beyond(view.leaning.outside);
 
         // Through a rough border: by one facet and by several.
         if let (Some(glass), Some(facets), true) =
             (&self.border, &self.facets, ways[Way::Facet] > 0.0)
         {
-            let (side, beyond) = glass.seen_from(view.outside);
+            let (side, beyond) = glass.seen_from(view.leaning.outside);
             let lost = facets.lost_by_glass(side, wo) * facets.lost_by_glass(beyond, wi);
             let lobe = glass.share * lost * i * (FRAC_1_PI / beyond.loss.mean);
             let many = self.clear * side.crossing * lobe / (eta * eta);
@@ -193,7 +193,7 @@ impl Principled {
             let (cos_o, cos_i) = (wo.dot(facet) * wo.z.signum(), wi.dot(facet) * wi.z.signum());
             if length2 > 0.0 && cos_o > 0.0 && cos_i > 0.0 {
                 // Walter 2007, equations 17 and 21, with separate masking.
-                let crossing = self.crossing(cos_o.min(1.0), view.outside);
+                let crossing = self.crossing(cos_o.min(1.0), view.leaning.outside);
                 let (length_o, length_i) =
                     (facets.ggx.squeezed_length(wo), facets.ggx.squeezed_length(wi));
                 let once =
@@ -218,7 +218,7 @@ impl Principled {
             if length > 0.0 && ways[Way::Facet] > 0.0 {
                 let density = facets.ggx.density(half * (half.z.signum() / length)) * 0.5;
                 let cos = (0.5 * length).min(1.0);
-                let crossing = self.crossing(cos, view.outside);
+                let crossing = self.crossing(cos, view.leaning.outside);
                 let once = density * i / (o * length_i + i * length_o);
                 value += self.its.base_color * (self.clear * crossing.passed * once);
                 pdf += ways[Way::Facet] * (1.0 - self.reflects(cos, &crossing)) * density
@@ -232,12 +232,12 @@ impl Principled {
         // Through a matte body.
         if ways[Way::MatteThrough] > 0.0 {
             let through = self.opaque * view.left * self.left(wi) / self.mean_left;
-            let eta = self.matte_index_beyond(view.outside);
+            let eta = self.matte_index_beyond(view.leaning.outside);
             value += self.matte_through * (through * i * FRAC_1_PI / (eta * eta));
             pdf += ways[Way::MatteThrough] * warp::cosine_hemisphere_pdf(i);
         }
         let tint = match &self.coat {
-            Some(coat) if !view.outside => coat.leg(i),
+            Some(coat) if !view.leaning.outside => coat.leg(i),
             _ => view.tint,
         };
         (value * tint * view.below_coat, pdf)
