@@ -14,6 +14,7 @@ use crate::material::Opacity;
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
 use crate::settings::{IntegratorKind, Settings, Strategy};
+use crate::texture::ColorInput;
 use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
 };
@@ -539,11 +540,10 @@ impl Prepared {
         (worth, room.insert(PreparedMaterial { bsdf, ..*material }))
     }
 
-    /// The albedo where it was hit of a material that varies and is nothing but Lambert's; `None` for
-    /// all others.
+    /// The albedo of a material that varies and is nothing but Lambert's; `None` for all others.
     #[inline]
-    pub(crate) fn lambert_at(&self, hit: &Hit, material: &PreparedMaterial) -> Option<Spectrum> {
-        self.varied_lambert(material.varying?, hit)
+    pub(crate) fn painted_lambert(&self, material: &PreparedMaterial) -> Option<&ColorInput> {
+        self.varied_lambert(material.varying?)
     }
 
     /// Everything that shines.

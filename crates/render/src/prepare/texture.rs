@@ -8,8 +8,8 @@ use crate::material::Principled;
 use crate::problem::{MOST_LIGHT, Note, Place};
 use crate::scene::{Scene, TextureId};
 use crate::texture::{
-    Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Noise, PreparedMapping,
-    Pyramid, ScalarInput, Texels, Texture,
+    Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, Footprint, ImageTexture, Noise,
+    PreparedMapping, Pyramid, ScalarInput, Texels, Texture,
 };
 use rayon::prelude::*;
 use rutilant_geom::{Hit, Ray, Vec2, Vec3};
@@ -174,23 +174,27 @@ impl PreparedTextures {
         self.textures[id.0 as usize].rgba(at)
     }
 
+    /// What a colour at a place is made of.
+    #[inline]
+    pub(super) fn seek(&self, input: &ColorInput, at: &TexturePlace<'_>) -> SoughtColor<'_> {
+        let white = Sought::Known([1.0; 4]);
+        SoughtColor {
+            factor: input.factor.into(),
+            texture: input.texture.map_or(white, |id| self.textures[id.0 as usize].seek(at)),
+            vertices: if input.vertex_colors { at.vertex_color() } else { [1.0; 4] },
+        }
+    }
+
     /// The part of the light that is sent back at a place, 0 to 1, whatever the pictures hold.
     #[inline]
     pub(super) fn reflectance(&self, input: &ColorInput, at: &TexturePlace<'_>) -> Spectrum {
-        reflectance(self.color(input, at))
+        self.seek(input, at).reflectance()
     }
 
     /// A colour at a place.
     #[inline]
     pub(super) fn color(&self, input: &ColorInput, at: &TexturePlace<'_>) -> Spectrum {
-        let mut color = Spectrum::from(input.factor);
-        if let Some(id) = input.texture {
-            color *= opaque(self.textures[id.0 as usize].rgba(at));
-        }
-        if input.vertex_colors {
-            color *= opaque(at.vertex_color());
-        }
-        color
+        self.seek(input, at).color()
     }
 
     /// A number at a place.
@@ -199,6 +203,44 @@ impl PreparedTextures {
             .texture
             .map_or(1.0, |(id, channel)| channel.of(self.textures[id.0 as usize].rgba(at)));
         input.factor * varied
+    }
+}
+
+/// What a texture shows at a place: found, but not read yet if it is a picture.
+#[derive(Clone, Copy, Debug)]
+enum Sought<'p> {
+    Texels(Footprint<'p>),
+    Known([f32; 4]),
+}
+
+/// A colour at a place, whose texels are found and not read yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SoughtColor<'p> {
+    factor: Spectrum,
+    texture: Sought<'p>,
+    vertices: [f32; 4],
+}
+
+impl Sought<'_> {
+    #[inline]
+    fn read(&self) -> [f32; 4] {
+        match self {
+            Self::Texels(footprint) => footprint.read(),
+            Self::Known(rgba) => *rgba,
+        }
+    }
+}
+
+impl SoughtColor<'_> {
+    /// The part of the light that is sent back, 0 to 1, whatever the pictures hold.
+    #[inline]
+    pub(crate) fn reflectance(&self) -> Spectrum {
+        reflectance(self.color())
+    }
+
+    #[inline]
+    fn color(&self) -> Spectrum {
+        self.factor * opaque(self.texture.read()) * opaque(self.vertices)
     }
 }
 
@@ -255,24 +297,26 @@ impl PreparedTexture {
     /// Red, green, blue and opacity at a place.
     #[inline]
     fn rgba(&self, at: &TexturePlace<'_>) -> [f32; 4] {
+        self.seek(at).read()
+    }
+
+    #[inline]
+    fn seek(&self, at: &TexturePlace<'_>) -> Sought<'_> {
+        let mapping = self.mapping();
+        let (uv, width) = at.uv(mapping.set);
+        let (uv, width) = (mapping.apply(uv), width * mapping.scale);
         match self {
-            Self::Image { pyramid, image, mapping } => {
-                let (uv, width) = at.uv(mapping.set);
-                let width = width * mapping.scale;
-                pyramid.at(mapping.apply(uv), width, image.wrap, image.interpolation)
+            Self::Image { pyramid, image, .. } => {
+                Sought::Texels(pyramid.find(uv, width, image.wrap, image.interpolation))
             }
-            Self::Pattern { colors, pattern, mapping } => {
-                let (uv, width) = at.uv(mapping.set);
-                let uv = mapping.apply(uv);
-                mixed(
-                    colors,
-                    match pattern {
-                        Pattern::Checker(checker) => checker.amount(uv),
-                        Pattern::Bricks(bricks) => bricks.amount(uv),
-                        Pattern::Noise(noise) => noise.amount(uv, width * mapping.scale),
-                    },
-                )
-            }
+            Self::Pattern { colors, pattern, .. } => Sought::Known(mixed(
+                colors,
+                match pattern {
+                    Pattern::Checker(checker) => checker.amount(uv),
+                    Pattern::Bricks(bricks) => bricks.amount(uv),
+                    Pattern::Noise(noise) => noise.amount(uv, width),
+                },
+            )),
         }
     }
 

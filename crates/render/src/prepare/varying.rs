@@ -1,7 +1,7 @@
 //! Materials that scatter otherwise in different places.
 
 use super::prepared::Prepared;
-use super::texture::{PreparedTextures, TexturePlace};
+use super::texture::{PreparedTextures, SoughtColor, TexturePlace};
 use crate::bsdf::{Bsdf, Lambert, Lobe, OrenNayar, UniformLambert};
 use crate::color::Spectrum;
 use crate::interaction::SurfaceInteraction;
@@ -138,19 +138,22 @@ impl Prepared {
         real::atan2(local.y, local.x)
     }
 
-    /// The albedo of the varying material of this number where it was hit, if it does nothing but
-    /// scatter as Lambert's law says.
+    /// The albedo of the varying material of this number, if it does nothing but scatter as Lambert's
+    /// law says.
     #[inline]
-    pub(super) fn varied_lambert(&self, number: u32, hit: &Hit) -> Option<Spectrum> {
+    pub(super) fn varied_lambert(&self, number: u32) -> Option<&ColorInput> {
         let Varying::Lobes([Some((1.0, VaryingLobe::Matte(matte))), None]) =
             &self.varying[number as usize]
         else {
             return None;
         };
         let cosine = matte.sampling == HemisphereSampling::Cosine;
-        (matte.roughness == 0.0 && cosine).then(|| {
-            let place = TexturePlace::new(self, self.object(hit), hit);
-            self.textures.reflectance(&matte.albedo, &place)
-        })
+        (matte.roughness == 0.0 && cosine).then_some(&matte.albedo)
+    }
+
+    /// What a colour is made of where a surface was hit.
+    #[inline]
+    pub(crate) fn seek_color(&self, input: &ColorInput, hit: &Hit) -> SoughtColor<'_> {
+        self.textures.seek(input, &TexturePlace::new(self, self.object(hit), hit))
     }
 }

@@ -83,14 +83,20 @@ impl Wrap {
         }
     }
 
-    /// A texel next to the picture or in it, as one of its `count` texels.
-    pub(super) fn texel(self, i: i64, count: u32) -> u32 {
-        let last = i64::from(count) - 1;
-        let within = match self {
-            Self::Repeat if i < 0 => last,
-            Self::Repeat if i > last => 0,
-            Self::Repeat | Self::Mirror | Self::Clamp => i.clamp(0, last),
+    /// The texels, of `count` in a row, whose middles are before and after `x`, 0 to `count`, and
+    /// how far it is from the first to the second.
+    #[inline]
+    pub(super) fn neighbours(self, x: f32, count: u32) -> ([u32; 2], f32) {
+        let last = count - 1;
+        let x = x - 0.5;
+        let (before, after) = match self {
+            Self::Repeat => (last, 0),
+            Self::Mirror | Self::Clamp => (0, last),
         };
-        within as u32
+        if x < 0.0 {
+            return ([before, 0], x + 1.0);
+        }
+        let i = (x as u32).min(last);
+        ([i, if i < last { i + 1 } else { after }], x - i as f32)
     }
 }

@@ -25,7 +25,7 @@ pub use input::{Channel, ColorInput, ScalarInput};
 pub(crate) use mapping::PreparedMapping;
 pub use mapping::UvMapping;
 pub use noise::Noise;
-pub(crate) use pyramid::Pyramid;
+pub(crate) use pyramid::{Footprint, Pyramid};
 
 use crate::problem::{Place, SceneProblem};
 use std::sync::Arc;

@@ -25,6 +25,20 @@ pub(crate) struct Pyramid {
     codes: Codes,
 }
 
+/// Four texels of a picture, found but not yet read, and where between them a place is.
+///
+/// Reading waits for memory. Where several places are looked at, all are found first, so that it is
+/// waited for once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Footprint<'p> {
+    bitmap: &'p Bitmap,
+    codes: &'p Codes,
+    /// Columns and rows: left and right in the upper row, then in the lower one.
+    texels: [[u32; 2]; 4],
+    /// How far from left to right, and from the upper to the lower row.
+    parts: [f32; 2],
+}
+
 /// What codes mean.
 #[derive(Clone, Debug)]
 struct Codes {
@@ -79,7 +93,8 @@ impl Pyramid {
 
     /// The mean over all of the picture: red, green, blue and opacity.
     pub(crate) fn mean(&self) -> [f32; 4] {
-        texel(self.smaller.last().unwrap_or(&self.base), &self.codes, 0, 0)
+        let [texel] = texels(self.smaller.last().unwrap_or(&self.base), &self.codes, [[0, 0]]);
+        texel
     }
 
     /// How wide a texel is, in texture coordinates, in the mean of both directions.
@@ -87,41 +102,32 @@ impl Pyramid {
         1.0 / (self.base.width() as f32 * self.base.height() as f32).sqrt()
     }
 
-    /// Red, green, blue and opacity at `uv`, over a `width` in texture coordinates.
+    /// The texels at `uv`, over a `width` in texture coordinates.
     #[inline]
-    pub(crate) fn at(
+    pub(crate) fn find(
         &self,
         uv: Vec2,
         width: f32,
         wrap: [Wrap; 2],
         interpolation: Interpolation,
-    ) -> [f32; 4] {
+    ) -> Footprint<'_> {
         let Self { base, codes, .. } = self;
         let side = ((base.width() as f32) * (base.height() as f32)).sqrt();
         let bitmap = self.level(width * side);
         let (u, v) = (wrap[0].within(uv.x), wrap[1].within(uv.y));
         let size = [bitmap.width(), bitmap.height()];
         let (x, y) = (u * size[0] as f32, (1.0 - v) * size[1] as f32);
-        match interpolation {
+        let (texels, parts) = match interpolation {
             Interpolation::Nearest => {
-                let [i, j] = [(x as u32).min(size[0] - 1), (y as u32).min(size[1] - 1)];
-                texel(bitmap, codes, i, j)
+                ([[(x as u32).min(size[0] - 1), (y as u32).min(size[1] - 1)]; 4], [0.0; 2])
             }
             Interpolation::Bilinear => {
-                let (x, y) = (x - 0.5, y - 0.5);
-                let (i, j) = (x.floor(), y.floor());
-                let (p, q) = (x - i, y - j);
-                let column = |k: i64| wrap[0].texel(i as i64 + k, size[0]);
-                let row = |k: i64| wrap[1].texel(j as i64 + k, size[1]);
-                let ([i, k], [j, l]) = ([column(0), column(1)], [row(0), row(1)]);
-                let [a, b] = [texel(bitmap, codes, i, j), texel(bitmap, codes, k, j)];
-                let [c, d] = [texel(bitmap, codes, i, l), texel(bitmap, codes, k, l)];
-                std::array::from_fn(|n| {
-                    let (upper, lower) = (a[n] + (b[n] - a[n]) * p, c[n] + (d[n] - c[n]) * p);
-                    upper + (lower - upper) * q
-                })
+                let ([i, k], p) = wrap[0].neighbours(x, size[0]);
+                let ([j, l], q) = wrap[1].neighbours(y, size[1]);
+                ([[i, j], [k, j], [i, l], [k, l]], [p, q])
             }
-        }
+        };
+        Footprint { bitmap, codes, texels, parts }
     }
 
     /// The level whose texels are at most as large as `width` texels of the picture.
@@ -136,41 +142,73 @@ impl Pyramid {
     }
 }
 
-/// Red, green, blue and opacity of a texel.
+impl Footprint<'_> {
+    /// Red, green, blue and opacity.
+    #[inline]
+    pub(crate) fn read(&self) -> [f32; 4] {
+        let [p, q] = self.parts;
+        let [a, b, c, d] = texels(self.bitmap, self.codes, self.texels);
+        between(between(a, b, p), between(c, d, p), q)
+    }
+}
+
+/// What is so far from `a` on the way to `b`.
 #[inline]
-fn texel(bitmap: &Bitmap, codes: &Codes, x: u32, y: u32) -> [f32; 4] {
-    let channels = bitmap.channels();
-    let first = (y as usize * bitmap.width() as usize + x as usize) * channels;
+fn between(a: [f32; 4], b: [f32; 4], part: f32) -> [f32; 4] {
+    [0, 1, 2, 3].map(|i| a[i] + (b[i] - a[i]) * part)
+}
+
+/// Red, green, blue and opacity of texels, each by its column and row. What kind they are of is
+/// asked once for all.
+#[inline]
+fn texels<const N: usize>(bitmap: &Bitmap, codes: &Codes, at: [[u32; 2]; N]) -> [[f32; 4]; N] {
+    let (width, channels) = (bitmap.width() as usize, bitmap.channels());
+    let first = at.map(|[x, y]| (y as usize * width + x as usize) * channels);
     match bitmap.texels() {
         Texels::Eight(t) => spread(
-            &t[first..first + channels],
+            t,
+            channels,
+            first,
             |code| codes.values[usize::from(code)],
             |code| f32::from(code) * codes.alpha,
         ),
         Texels::Sixteen(t) => spread(
-            &t[first..first + channels],
+            t,
+            channels,
+            first,
             |code| codes.values[usize::from(code)],
             |code| f32::from(code) * codes.alpha,
         ),
-        Texels::Float(t) => spread(&t[first..first + channels], |value| value, |value| value),
+        Texels::Float(t) => spread(t, channels, first, |value| value, |value| value),
     }
 }
 
-/// One to four channels as red, green, blue and opacity.
+/// One to four channels as red, green, blue and opacity, from each of the `first` ones on.
 #[inline(always)]
-fn spread<T: Copy>(channels: &[T], color: impl Fn(T) -> f32, alpha: impl Fn(T) -> f32) -> [f32; 4] {
-    match *channels {
-        [r, g, b, a] => [color(r), color(g), color(b), alpha(a)],
-        [r, g, b] => [color(r), color(g), color(b), 1.0],
-        [grey, a] => {
-            let grey = color(grey);
-            [grey, grey, grey, alpha(a)]
-        }
-        [grey] => {
-            let grey = color(grey);
+fn spread<T: Copy, const N: usize>(
+    values: &[T],
+    channels: usize,
+    first: [usize; N],
+    color: impl Fn(T) -> f32,
+    alpha: impl Fn(T) -> f32,
+) -> [[f32; 4]; N] {
+    match channels {
+        1 => first.map(|i| {
+            let grey = color(values[i]);
             [grey, grey, grey, 1.0]
-        }
-        _ => [0.0; 4],
+        }),
+        2 => first.map(|i| {
+            let grey = color(values[i]);
+            [grey, grey, grey, alpha(values[i + 1])]
+        }),
+        3 => first.map(|i| {
+            let [r, g, b] = [values[i], values[i + 1], values[i + 2]].map(&color);
+            [r, g, b, 1.0]
+        }),
+        _ => first.map(|i| {
+            let [r, g, b] = [values[i], values[i + 1], values[i + 2]].map(&color);
+            [r, g, b, alpha(values[i + 3])]
+        }),
     }
 }
 
@@ -232,7 +270,8 @@ fn mean(bitmap: &Bitmap, codes: &Codes, columns: &[(u32, f64)], rows: &[(u32, f6
     let (mut plain, mut opaque, mut alpha) = ([0.0; 3], [0.0; 3], 0.0);
     for &(y, q) in rows {
         for &(x, p) in columns {
-            let [r, g, b, a] = texel(bitmap, codes, x, y).map(f64::from);
+            let [texel] = texels(bitmap, codes, [[x, y]]);
+            let [r, g, b, a] = texel.map(f64::from);
             let weight = p * q;
             for (i, value) in [r, g, b].into_iter().enumerate() {
                 plain[i] += value * weight;
@@ -314,7 +353,7 @@ mod tests {
     #[test]
     fn coordinates_start_at_the_lower_left() {
         let p = float(2, 2, vec![1.0, 2.0, 3.0, 4.0]);
-        let at = |u, v| p.at(Vec2::new(u, v), 0.0, REPEAT, Interpolation::Bilinear)[0];
+        let at = |u, v| p.find(Vec2::new(u, v), 0.0, REPEAT, Interpolation::Bilinear).read()[0];
         assert_eq!([at(0.25, 0.25), at(0.75, 0.25)], [3.0, 4.0]);
         assert_eq!([at(0.25, 0.75), at(0.75, 0.75)], [1.0, 2.0]);
         assert_eq!(at(0.5, 0.5), 2.5);
@@ -324,8 +363,10 @@ mod tests {
     #[test]
     fn edges_wrap() {
         let p = float(4, 1, vec![0.0, 1.0, 2.0, 3.0]);
-        let at =
-            |u, wrap| p.at(Vec2::new(u, 0.5), 0.0, [wrap, Wrap::Clamp], Interpolation::Bilinear)[0];
+        let at = |u, wrap| {
+            let wrap = [wrap, Wrap::Clamp];
+            p.find(Vec2::new(u, 0.5), 0.0, wrap, Interpolation::Bilinear).read()[0]
+        };
         for turn in [-3.0, -1.0, 1.0, 2.0, 100.0] {
             assert_eq!(at(0.375 + turn, Wrap::Repeat), 1.0);
             assert_eq!(at(0.375 + 2.0 * turn, Wrap::Mirror), 1.0);

@@ -10,10 +10,11 @@ use crate::lanes::bits;
 use crate::medium::{Border, Media};
 use crate::prepare::{Prepared, PreparedMaterial};
 use crate::sampler::Sampler;
+use crate::texture::ColorInput;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, u32x8};
 use rutilant_geom::lanes::{LANES, Xyz8, at, each_lane};
-use rutilant_geom::{Frames, Hit, HitPacket, RayPacket, Vec3};
+use rutilant_geom::{Frames, HitPacket, RayPacket, Vec3};
 
 /// Eight surface points.
 pub(super) struct Surface<S: Simd> {
@@ -55,10 +56,10 @@ pub(super) struct MetPacket<'p> {
     pub(super) translucent: u32,
 }
 
-/// How a surface scatters where it was hit. A material that varies is looked up there, and `made`
-/// where it is more than an albedo.
-#[inline(always)]
-fn scattering_at<'p>(
+/// A material that varies, `made` as it is where it was hit. Apart, so that the common way stays
+/// short.
+#[inline(never)]
+fn varied_at<'p>(
     scene: &Prepared,
     hits: &HitPacket,
     lane: usize,
@@ -66,34 +67,13 @@ fn scattering_at<'p>(
     smoothed: Option<SurfaceInteraction>,
     material: &'p PreparedMaterial,
     made: &'p mut Option<PreparedMaterial>,
-) -> (&'p PreparedMaterial, Scattering) {
-    if material.varies()
-        && let Some(hit) = hits.hit(lane)
-    {
-        let at = || smoothed.unwrap_or_else(|| scene.interaction(&hit, direction));
-        return varied_at(scene, &hit, at, material, made);
-    }
-    (material, material.bsdf.scattering())
-}
-
-/// The same of one that varies. Apart, so that the common way stays short.
-#[inline(never)]
-fn varied_at<'p>(
-    scene: &Prepared,
-    hit: &Hit,
-    at: impl FnOnce() -> SurfaceInteraction,
-    material: &'p PreparedMaterial,
-    made: &'p mut Option<PreparedMaterial>,
-) -> (&'p PreparedMaterial, Scattering) {
-    if let Some(albedo) = scene.lambert_at(hit, material) {
-        let black = albedo.max_channel() <= 0.0;
-        return (material, if black { Scattering::Black } else { Scattering::Lambert(albedo) });
-    }
-    let material = match scene.varied_at(hit, &at(), material) {
-        Some(varied) => &*made.insert(varied),
+) -> &'p PreparedMaterial {
+    let Some(hit) = hits.hit(lane) else { return material };
+    let at = smoothed.unwrap_or_else(|| scene.interaction(&hit, direction));
+    match scene.varied_at(&hit, &at, material) {
+        Some(varied) => made.insert(varied),
         None => material,
-    };
-    (material, material.bsdf.scattering())
+    }
 }
 
 impl<'p> MetPacket<'p> {
@@ -125,6 +105,7 @@ impl<'p> MetPacket<'p> {
             spread: 0,
             translucent: 0,
         };
+        let mut painted = [None; LANES];
         for (lane, made) in made.iter_mut().enumerate() {
             let bit = 1 << lane;
             if there & bit == 0 {
@@ -148,17 +129,21 @@ impl<'p> MetPacket<'p> {
             }
             met.emitters[lane] = surface.emitter;
             met.glows |= u32::from(surface.emitter.is_some()) << lane;
-            let (material, scattering) =
-                scattering_at(scene, hits, lane, direction, smoothed, surface.material, made);
-            met.materials[lane] = Some(material);
-            match scattering {
-                Scattering::Black => met.black |= bit,
-                Scattering::Lambert(albedo) => {
-                    met.lambert |= bit;
-                    met.spread |= bit;
-                    let [r, g, b] = albedo.channels();
-                    (met.albedo[0][lane], met.albedo[1][lane], met.albedo[2][lane]) = (r, g, b);
+            let material = match surface.material {
+                plain if !plain.varies() => plain,
+                varying => {
+                    painted[lane] = scene.painted_lambert(varying);
+                    if painted[lane].is_some() {
+                        met.materials[lane] = Some(varying);
+                        continue;
+                    }
+                    varied_at(scene, hits, lane, direction, smoothed, varying, made)
                 }
+            };
+            met.materials[lane] = Some(material);
+            match material.bsdf.scattering() {
+                Scattering::Black => met.black |= bit,
+                Scattering::Lambert(albedo) => met.set_lambert(lane, albedo),
                 Scattering::Dielectric(eta) => {
                     met.dielectric |= bit;
                     met.eta[lane] = eta;
@@ -170,7 +155,37 @@ impl<'p> MetPacket<'p> {
                 }
             }
         }
+        if painted.iter().any(Option::is_some) {
+            met.paint(scene, &painted);
+        }
         met
+    }
+
+    /// Looks up the albedos of surfaces that are matte and vary.
+    #[inline(never)]
+    fn paint(&mut self, scene: &Prepared, painted: &[Option<&ColorInput>; LANES]) {
+        let mut sought = [None; LANES];
+        for (lane, sought) in sought.iter_mut().enumerate() {
+            if let (Some(albedo), Some(hit)) = (painted[lane], self.hits.hit(lane)) {
+                *sought = Some(scene.seek_color(albedo, &hit));
+            }
+        }
+        for (lane, sought) in sought.iter().enumerate() {
+            let Some(sought) = sought else { continue };
+            let albedo = sought.reflectance();
+            match albedo.max_channel() > 0.0 {
+                true => self.set_lambert(lane, albedo),
+                false => self.black |= 1 << lane,
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn set_lambert(&mut self, lane: usize, albedo: Spectrum) {
+        self.lambert |= 1 << lane;
+        self.spread |= 1 << lane;
+        let [r, g, b] = albedo.channels();
+        (self.albedo[0][lane], self.albedo[1][lane], self.albedo[2][lane]) = (r, g, b);
     }
 
     /// A point on a triangle with vertex normals.
