@@ -67,7 +67,8 @@ impl Interrupt {
                 Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(5)),
             }
         };
-        tell("\ninterrupted");
+        tell("");
+        tell("interrupted");
         std::process::exit(Exit::Interrupted as i32);
     }
 }

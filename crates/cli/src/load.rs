@@ -37,12 +37,13 @@ pub(crate) struct Reading {
     #[arg(long, value_name = "SECONDS", help_heading = READING, allow_hyphen_values = true,
           value_parser = options::finite)]
     pub at_time: Option<f32>,
-    /// See the scene by the camera of this name, not by the first one; "auto" is one that sees
-    /// everything
-    #[arg(long, value_name = "NAME|auto", help_heading = READING, value_parser = options::camera)]
+    /// See the scene by the camera of this name or number, not by the first one; "auto" is one that
+    /// sees everything
+    #[arg(long, value_name = "NAME|N|auto", help_heading = READING, value_parser = options::camera)]
     pub camera: Option<CameraChoice>,
     /// Light the scene by another sky: a picture of one, a radiance like 1 or 0.8,0.9,1, or none
-    #[arg(long, value_name = "FILE|COLOR|none", help_heading = READING, value_parser = options::sky)]
+    #[arg(long, value_name = "FILE|COLOR|none", help_heading = READING,
+          allow_hyphen_values = true, value_parser = options::sky)]
     pub environment: Option<SkyChoice>,
     #[command(flatten)]
     pub limited: Limited,

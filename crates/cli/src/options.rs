@@ -121,14 +121,18 @@ pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
 
 /// `none`, one number or three for a radiance, or the path of a picture.
 pub(crate) fn sky(text: &str) -> Result<SkyChoice, String> {
-    if text == "none" {
-        return Ok(SkyChoice::None);
+    const WHAT: &str = "write none, a radiance as one number or three, like 0.8,0.9,1, or the path \
+                        of a picture";
+    match text {
+        "none" => return Ok(SkyChoice::None),
+        option if option.is_empty() || option.starts_with("--") => return Err(WHAT.to_owned()),
+        _ => {}
     }
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
     let radiance = match numbers.as_deref() {
         Ok(&[grey]) => Rgb::grey(grey),
         Ok(&[r, g, b]) => Rgb([r, g, b]),
-        Ok(_) => return Err("write a radiance as one number or three, like 0.8,0.9,1".to_owned()),
+        Ok(_) => return Err(WHAT.to_owned()),
         Err(_) => return Ok(SkyChoice::Picture(text.into())),
     };
     if radiance.0.iter().any(|c| !(0.0..=MOST_LIGHT).contains(c)) {

@@ -1,6 +1,7 @@
 //! What the program says: results on standard output, everything for people on standard error.
 
 use crate::failure::Failure;
+use std::borrow::Cow;
 use std::io::{ErrorKind, Write, stderr, stdout};
 
 /// A result as one line of JSON on standard output.
@@ -21,5 +22,26 @@ pub(crate) fn print_line(text: &str) -> Result<(), Failure> {
 
 /// A line for people on standard error. Whether anybody listens changes nothing.
 pub(crate) fn tell(line: &str) {
-    let _ = writeln!(stderr(), "{line}");
+    let _ = writeln!(stderr(), "{}", one_line(line));
+}
+
+/// Without line breaks and whatever else moves the cursor: names of files may hold anything.
+pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return text.into();
+    }
+    let escaped = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.into() };
+    text.chars().map(escaped).collect::<String>().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    /// A name with a line break does not make two messages of one; all letters stay.
+    #[test]
+    fn a_message_is_one_line() {
+        assert_eq!(one_line("né \"a\\b\""), "né \"a\\b\"");
+        assert_eq!(one_line("a\nb\x1b[2J"), "a\\nb\\u{1b}[2J");
+    }
 }

@@ -545,7 +545,10 @@ fn another_sky_is_asked_for() {
     fs::copy(desk.path("a.exr"), desk.path("dark.exr")).unwrap();
     assert_eq!(red("--environment dark.exr"), [0.0; 4]);
     for (asked, said) in [
-        ("1,2", "write a radiance as one number or three, like 0.8,0.9,1"),
+        ("1,2", "write none, a radiance as one number or three, like 0.8,0.9,1, or the path"),
+        ("-1", "a radiance must lie between 0 and 1e18"),
+        ("--quiet", "write none, a radiance as one number or three"),
+        ("-1,0,0", "a radiance must lie between 0 and 1e18"),
         ("gone.hdr", "gone.hdr: "),
         ("sky.toml", "sky.toml: "),
         ("nan", "'nan' for '--environment"),

@@ -38,7 +38,7 @@ pub enum CameraChoice {
     /// The first one of the scene; where it has none, one that sees everything.
     #[default]
     First,
-    /// The one of this name.
+    /// The one of this name; where none is called so, the one of this number, counted from 1.
     Named(String),
     /// One that sees everything, whatever cameras the scene has. It comes after these.
     Auto,

@@ -217,7 +217,9 @@ fn gloss_holes_and_heights_are_painted() {
                 newmtl veil\nd .5\nmap_Kd b.png\nmap_Tr b.png\n\
                 newmtl bumpy\nmap_bump -s 2 2 -bm 0.03 c.png\n\
                 newmtl bumps\nbump c.png\n\
-                newmtl both\nnorm a.png\nmap_Bump -bm 2 c.png\n";
+                newmtl both\nnorm a.png\nmap_Bump -bm 2 c.png\n\
+                newmtl paint\nPr .3\nNi 12\nmap_Ks a.png\n\
+                newmtl jar\nd .5\nmap_Ks a.png\n";
     let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl")).expect("materials");
     let named = |name: &str| library.materials.iter().find(|m| m.name == name).expect("it");
     let file = |id: TextureId| {
@@ -266,7 +268,16 @@ fn gloss_holes_and_heights_are_painted() {
     }
     let bumpy = named("bumpy").normal_map.expect("bumps").texture;
     assert_eq!(library.textures[bumpy.0 as usize].mapping.scale, Vec2::splat(2.0));
-    assert_eq!(library.notes, ["a.mtl:33: material \"both\": bump is left out beside norm"]);
+    let left_out = "map_Ks is left out beside glass, Pr and Pm";
+    assert_eq!(
+        library.notes,
+        [
+            "a.mtl:33: material \"both\": bump is left out beside norm",
+            &format!("a.mtl:36: material \"paint\": {left_out}"),
+            "a.mtl:36: material \"paint\": Ni 12 is taken as 10",
+            &format!("a.mtl:40: material \"jar\": {left_out}"),
+        ]
+    );
 }
 
 /// No material sends back more than it gets, in any channel, whatever Kd and Ks are.

@@ -3,7 +3,7 @@
 
 use image::{ExtendedColorType, ImageEncoder};
 use rutilant::color::Rgb;
-use rutilant::material::{MaterialKind, Matte, Opacity, OpacityMode};
+use rutilant::material::{Bumps, MaterialKind, Matte, Opacity, OpacityMode};
 use rutilant::scene::{BitmapId, Scene, TextureId};
 use rutilant::texture::{
     Bitmap, Bricks, Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, Noise,
@@ -43,6 +43,36 @@ fn png(path: &Path, color: ExtendedColorType, samples: &[u8]) {
     let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
     encoder.write_image(samples, 2, 1, color).expect("encoded");
     fs::write(path, bytes).expect("written");
+}
+
+/// Modelling programs write a picture of normals as MTL's heights. It is known by its looks, in a
+/// bare file and in a scene; a picture of heights stays one, grey or in colour.
+#[test]
+fn normals_are_told_from_heights() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name);
+    fs::write(file("a.obj"), "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .unwrap();
+    fs::write(file("a.mtl"), "newmtl m\nKd .5\nmap_Bump -bm 0.5 a.png\n").unwrap();
+    let scene = "[[shape]]\ntype = \"mesh\"\nfile = \"a.obj\"\n";
+    let note = "material \"m\": its bump looks like normals, and is read as such";
+    for (kind, samples, shows) in [
+        (ExtendedColorType::Rgb8, &[128, 128, 255, 118, 138, 254][..], Bumps::Normals),
+        (ExtendedColorType::Rgba8, &[128, 128, 255, 255, 160, 100, 248, 255], Bumps::Normals),
+        (ExtendedColorType::Rgb8, &[128, 128, 128, 200, 200, 200], Bumps::Heights),
+        (ExtendedColorType::Rgb8, &[0, 0, 255, 128, 128, 255], Bumps::Heights),
+        (ExtendedColorType::L8, &[128, 255], Bumps::Heights),
+    ] {
+        png(&file("a.png"), kind, samples);
+        let bare = read_scene(&file("a.obj"), &ReadOptions::default()).expect("a mesh");
+        let named = load(folder.path(), scene, &ReadOptions::default()).expect("a scene");
+        for loaded in [bare, named] {
+            let map = loaded.scene.materials[0].normal_map.expect("bumps");
+            assert_eq!((map.shows, map.scale), (shows, 0.5), "{samples:?}");
+            let told = loaded.notes.iter().any(|n| n.ends_with(note));
+            assert_eq!(told, shows == Bumps::Normals, "{:?}", loaded.notes);
+        }
+    }
 }
 
 /// Everything that a table can say arrives, and what it does not say is as documented.

@@ -9,10 +9,11 @@ use rutilant::color::Rgb;
 use rutilant::geom::{Ray, Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
-use rutilant::material::{Absorption, Dielectric, Emission, Matte};
-use rutilant::scene::{MeshId, Place, Scene};
+use rutilant::material::{Absorption, Bumps, Dielectric, Emission, Material, Matte, NormalMap};
+use rutilant::scene::{MaterialId, MeshId, Place, Scene};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
+use rutilant::texture::{Bitmap, ColorInput, ImageTexture};
 
 fn scene() -> Scene {
     let camera = Perspective::look_at(Vec3::new(0.3, 0.7, 4.0), Vec3::ZERO, 0.6).unwrap();
@@ -368,4 +369,41 @@ fn an_edited_scene_looks_as_if_it_were_new() {
         let looks = render_prepared(prepared.clone(), small(4));
         assert_eq!(looks.hash(), render(&scene, small(4)).hash());
     }
+}
+
+/// A set of texture coordinates that a mesh has not, and bumps on a sphere: told, once each, and
+/// nothing about those that have what is asked for.
+#[test]
+fn what_shapes_lack_is_told() {
+    let mut scene = scene();
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    let bitmap = scene.add_bitmap(Bitmap::solid([9; 4]));
+    let mut image = ImageTexture::new(bitmap);
+    let plain = scene.add_texture(image);
+    image.mapping.set = 1;
+    let second = scene.add_texture(image);
+    let albedo = |texture| ColorInput { texture: Some(texture), ..Rgb::WHITE.into() };
+    let asks = scene.add_material(Matte::new(albedo(second)));
+    let map = NormalMap { texture: plain, scale: 1.0, shows: Bumps::Normals };
+    let bumpy = Material { normal_map: Some(map), ..Matte::new(albedo(plain)).into() };
+    let bumpy = scene.add_material(bumpy);
+    let two_sets = Mesh { uvs: vec![Vec2::ZERO; 8], more_uvs: vec![vec![Vec2::ONE; 8]], ..cube() };
+    let (two_sets, one_set) = (scene.add_mesh(two_sets), scene.add_mesh(cube()));
+    let notes = |shapes: &[(Shape, MaterialId)]| {
+        let mut scene = scene.clone();
+        let objects = shapes.iter().map(|(shape, material)| Object::new(shape.clone(), *material));
+        scene.objects.extend(objects);
+        let prepared = Prepared::new(&scene).expect("a scene");
+        prepared.report().notes.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let sphere = Shape::Sphere { radius: 1.0 };
+    assert_eq!(notes(&[(Shape::Mesh(two_sets), asks), (Shape::Mesh(one_set), bumpy)]), [""; 0]);
+    let twice = [(Shape::Mesh(one_set), asks), (sphere.clone(), asks), (sphere.clone(), bumpy)];
+    assert_eq!(
+        notes(&[&twice[..], &twice[..]].concat()),
+        [
+            "material 0: set 1 of texture coordinates is missing on a shape, whose first is taken",
+            "material 1: spheres, disks and custom shapes are shown without its bumps",
+        ]
+    );
 }

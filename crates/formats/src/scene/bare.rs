@@ -31,6 +31,9 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     let mut pictures = Pictures::default();
     let materials = mesh_file::adopt(&mut file, &mut scene, &mut pictures);
     scene.bitmaps = pictures.read(&options.limits, options.strict, &mut notes)?;
+    let all = 0..scene.materials.len();
+    let changed = mesh_file::tell_normals_from_heights(&mut scene, all);
+    notes.extend(changed.iter().map(|(_, what)| note(what)));
     let no_faces = file.meshes.is_empty();
     let bare = |name: &Option<String>| name.as_ref().is_none_or(|n| !materials.contains_key(n));
     if let Some(without) = mesh_file::without_material(&file.meshes, &materials) {

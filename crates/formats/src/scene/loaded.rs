@@ -123,7 +123,7 @@ impl LoadedScene {
 /// What is said where a time is asked for in vain.
 pub(super) const NOTHING_MOVES: &str = "nothing in it moves, whatever time is asked for";
 
-/// The number of the camera that `options` ask for by its name, or else of the first one.
+/// Which of the cameras `options` ask for, by its name or number, or else the first one.
 pub(super) fn camera_named(
     cameras: &[AuthoredCamera],
     file: &Path,
@@ -136,6 +136,10 @@ pub(super) fn camera_named(
     if let Some(at) = cameras.iter().position(|camera| camera.name == *name) {
         return Ok(at);
     }
+    let number = name.parse::<usize>().ok().filter(|number| (1..=cameras.len()).contains(number));
+    if let Some(number) = number {
+        return Ok(number - 1);
+    }
     let names = cameras.iter().map(|camera| camera.name.as_str()).filter(|name| !name.is_empty());
     let kind = match nearest(name, names.clone()) {
         Some(closest) => SceneErrorKind::Unknown {
@@ -146,7 +150,8 @@ pub(super) fn camera_named(
         None => {
             let known: Vec<String> = names.take(20).map(shown).collect();
             let there_are = match &known[..] {
-                [] => "no camera of the scene has a name".to_owned(),
+                [] if cameras.len() == 1 => "the only one has no name: its number is 1".to_owned(),
+                [] => format!("none has a name: their numbers are 1 to {}", cameras.len()),
                 [only] => format!("there is only {only}"),
                 _ => format!("there are {}", known.join(", ")),
             };

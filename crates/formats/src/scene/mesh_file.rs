@@ -9,10 +9,11 @@ use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
 use crate::shown::shown;
-use rutilant::material::{Material, MaterialKind};
+use rutilant::material::{Bumps, Material, MaterialKind};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::shape::Mesh;
-use rutilant::texture::{ImageTexture, Texture};
+use rutilant::texture::{Bitmap, ImageTexture, Texels, Texture};
+use rutilant_geom::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -101,6 +102,54 @@ pub(super) fn adopt(
         ids.entry(name).or_insert(id);
     }
     ids
+}
+
+/// What MTL files call heights is taken for normals where the picture looks like one of them, as
+/// exporters of modelling programs write it. `which` are materials of the scene; those that were
+/// changed are given back, with a note for each.
+pub(super) fn tell_normals_from_heights(
+    scene: &mut Scene,
+    which: impl IntoIterator<Item = usize>,
+) -> Vec<(usize, String)> {
+    let Scene { materials, textures, bitmaps, .. } = scene;
+    let change = |i: usize| {
+        let material = &mut materials[i];
+        let map = material.normal_map.as_mut().filter(|map| map.shows == Bumps::Heights)?;
+        let Texture::Image(image) = &textures[map.texture.0 as usize] else { return None };
+        if !looks_like_normals(&bitmaps[image.bitmap.0 as usize]) {
+            return None;
+        }
+        map.shows = Bumps::Normals;
+        let name = shown(&material.name);
+        Some((i, format!("material \"{name}\": its bump looks like normals, and is read as such")))
+    };
+    which.into_iter().filter_map(change).collect()
+}
+
+/// Whether colours are directions out of a surface, most of them nearly straight: red and green are
+/// about a half in the mean, and all vectors have length 1.
+fn looks_like_normals(bitmap: &Bitmap) -> bool {
+    /// So many texels, spread evenly, tell.
+    const SEEN: usize = 4096;
+    let channels = bitmap.channels();
+    let count = bitmap.width() as usize * bitmap.height() as usize;
+    let value = |i: usize| match bitmap.texels() {
+        Texels::Eight(codes) => f32::from(codes[i]) / f32::from(u8::MAX),
+        Texels::Sixteen(codes) => f32::from(codes[i]) / f32::from(u16::MAX),
+        Texels::Float(values) => values[i],
+    };
+    if channels < 3 {
+        return false;
+    }
+    let texels = (0..count).step_by(count.div_ceil(SEEN));
+    let vectors: Vec<Vec3> = texels
+        .map(|i| i * channels)
+        .map(|i| 2.0 * Vec3::new(value(i), value(i + 1), value(i + 2)) - Vec3::ONE)
+        .collect();
+    let mean = vectors.iter().sum::<Vec3>() / vectors.len() as f32;
+    let is_unit = |v: &&Vec3| v.z > 0.0 && (0.8..1.2).contains(&v.length());
+    let units = vectors.iter().filter(is_unit).count();
+    mean.z > 0.5 && mean.truncate().length() < 0.2 && 10 * units > 9 * vectors.len()
 }
 
 /// Takes a document's materials and textures into a scene, and gives the material of each of its

@@ -19,7 +19,7 @@
 //! | besides, `map_d`                             | how much of the surface is there, times `d`, which then is none of glass |
 //! | besides, `map_Tr`                            | how much of it is not there |
 //! | besides, `norm`                              | a normal map |
-//! | besides, `bump`, `map_bump`                  | heights in metres of the world, times `-bm` (1 where absent); none beside `norm` |
+//! | besides, `bump`, `map_bump`                  | heights in metres of the world, times `-bm` (1 where absent), or normals, if the picture looks like one of them; none beside `norm` |
 //!
 //! "Over" is a mix in which the gloss has the share of the brightest channel of
 //! its colour. Where `Kd` and the gloss would send back more than they get, both
@@ -437,6 +437,7 @@ impl<'a> Parser<'a> {
             self.note(at, &format!("material {shown}: illum 4 without d or Ni is taken as matte"));
         }
         let kind = if clear {
+            self.without_map_ks(&written, &shown);
             let glass = self.dielectric(&written, &shown);
             Surface::Plain(if written.is_layered() {
                 let layers = self.layers(&written, &shown);
@@ -525,13 +526,15 @@ impl<'a> Parser<'a> {
         let painted = written.map_pr.is_some() || written.map_pm.is_some();
         let said = written.pr.is_some() || written.pm.is_some_and(|pm| pm != 0.0);
         if said || painted || written.is_layered() {
+            self.without_map_ks(written, shown);
             let base_color = albedo.factor;
             let mut layers = Principled { base_color, ..self.layers(written, shown) };
             layers.textures.base_color = written.map_kd;
             return Surface::Plain(MaterialKind::Principled(Box::new(layers)));
         }
         let fresnel = |ni: f32| ((ni - 1.0) / (ni + 1.0)) * ((ni - 1.0) / (ni + 1.0));
-        let refracting = written.ni.filter(|ni| *ni > 1.0).map(|ni| ni.min(MAX_IOR));
+        let refracting =
+            written.ni.filter(|ni| *ni > 1.0).map(|ni| self.index(ni, written.at, shown));
         let ks = match (written.ks, written.map_ks) {
             (None | Some([0.0, 0.0, 0.0]), Some(_)) => [1.0; 3],
             (Some(ks), _) => ks,
@@ -571,6 +574,7 @@ impl<'a> Parser<'a> {
 
     /// The layers that the physically based additions say, over a base that is still to be told.
     fn layers(&mut self, written: &Written, shown: &str) -> Principled {
+        let ior = written.ni.filter(|ni| *ni > 1.0).map(|ni| self.index(ni, written.at, shown));
         let mut unit = |keyword, number| self.in_unit(keyword, number, written.at, shown);
         let coat = unit("Pc", written.pc);
         // What a picture multiplies is not meant to be 0.
@@ -587,7 +591,7 @@ impl<'a> Parser<'a> {
                 roughness: red(written.map_pr),
                 ..PrincipledTextures::default()
             },
-            ior: written.ni.filter(|ni| *ni > 1.0).map_or(DEFAULT_IOR, |ni| ni.min(MAX_IOR)),
+            ior: ior.unwrap_or(DEFAULT_IOR),
             coat,
             coat_roughness: if coat > 0.0 { unit("Pcr", written.pcr) } else { 0.0 },
             sheen_color: Rgb::grey(unit("Ps", written.ps)),
@@ -598,14 +602,24 @@ impl<'a> Parser<'a> {
         }
     }
 
+    fn without_map_ks(&mut self, written: &Written, shown: &str) {
+        if written.map_ks.is_some() {
+            let what = format!("material {shown}: map_Ks is left out beside glass, Pr and Pm");
+            self.note(written.at, &what);
+        }
+    }
+
+    /// An index above 1, brought into the range with a note if that changes it.
+    fn index(&mut self, ni: f32, at: usize, shown: &str) -> f32 {
+        if ni > MAX_IOR {
+            self.note(at, &format!("material {shown}: Ni {ni} is taken as {MAX_IOR}"));
+        }
+        ni.min(MAX_IOR)
+    }
+
     fn dielectric(&mut self, written: &Written, shown: &str) -> Dielectric {
         let ior = match written.ni {
-            Some(ni) if ni > MAX_IOR => {
-                let what = format!("material {shown}: Ni {ni} is taken as {MAX_IOR}");
-                self.note(written.at, &what);
-                MAX_IOR
-            }
-            Some(ni) if ni > 1.0 => ni,
+            Some(ni) if ni > 1.0 => self.index(ni, written.at, shown),
             Some(ni) => {
                 let what = format!("material {shown}: Ni {ni} is taken as {DEFAULT_IOR}");
                 self.note(written.at, &what);

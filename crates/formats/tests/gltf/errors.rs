@@ -29,7 +29,9 @@ fn syntax_is_told_by_line_and_column() {
     for (text, expected) in [
         ("{\"asset\":\n  {\"version\" \"2.0\"}}", "2:14: expected `:`"),
         ("{\"é\": 1, \"é\": 2}", "1:12: \"é\" comes twice"),
-        ("", "1:1: EOF while parsing a value"),
+        ("", "1:1: it is empty"),
+        (" \n", "2:1: it is empty"),
+        ("{\"a\": [1,", "1:9: it ends in the middle of a value"),
         ("{\"a\": 1e999}", "1:11: number out of range"),
         ("{\"a\": 1}}", "1:9: trailing characters"),
         ("{\"a\": nan}", "1:8: expected ident"),

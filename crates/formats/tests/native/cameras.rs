@@ -63,7 +63,7 @@ fn a_camera_is_chosen_for_all_shapes() {
 /// The first camera sees the scene, or the one that is asked for; all are there either way.
 #[test]
 fn a_camera_is_chosen_by_its_name() {
-    for (asked, used) in [(None, 0), (Some("front"), 0), (Some("top"), 1)] {
+    for (asked, used) in [(None, 0), (Some("front"), 0), (Some("top"), 1), (Some("2"), 1)] {
         let loaded = seen_by(TWO, asked).expect("a scene");
         let names: Vec<_> = loaded.cameras.iter().map(|camera| camera.name.as_str()).collect();
         assert_eq!((loaded.camera, &names[..]), (used, &["front", "top"][..]));
@@ -81,7 +81,8 @@ fn unknown_cameras_are_explained() {
         (TWO, "frnt", r#"scene.toml: no camera "frnt"; did you mean "front"?"#),
         (TWO, "left side", r#"scene.toml: no camera "left side"; there are front, top"#),
         (&one, "left side", r#"scene.toml: no camera "left side"; there is only front"#),
-        (&nameless, "front", r#"scene.toml: no camera "front"; no camera of the scene has a name"#),
+        (&nameless, "0", r#"scene.toml: no camera "0"; the only one has no name: its number is 1"#),
+        (TWO, "3", r#"scene.toml: no camera "3"; there are front, top"#),
     ] {
         let error = seen_by(text, Some(asked)).expect_err(asked).to_string();
         assert_eq!(error, said);

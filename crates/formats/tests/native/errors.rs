@@ -323,6 +323,11 @@ const MISTAKES: &[(&str, &str)] = &[
         "11:25: radiance is -1, but must lie between 0 and 1e18",
     ),
     (
+        "[[material]]\nname = \"a\"\ntype = \"black\"\n\
+         emission = { radiance = 1e18, strength = 1e30 }",
+        "11:42: strength is 1e30, which makes a radiance of more than 1e18",
+    ),
+    (
         "[[material]]\nname = \"a\"\ntype = \"emissive\"",
         r#"8:1: an emissive material needs "radiance" or "power""#,
     ),

@@ -1,5 +1,6 @@
 //! A scene is put together: shapes become surfaces in the world, and what shines emitters.
 
+use super::lacking;
 use super::material::{disperse, passes, prepare_materials};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
@@ -157,6 +158,7 @@ impl Assembly {
         if self.emitters.iter().all(dark) {
             self.notes.push("nothing gives light: the picture will be black".to_owned().into());
         }
+        self.notes.extend(lacking::notes(scene));
         let known = before.map(|before| &*before.textures);
         let textures = PreparedTextures::new(scene, known, &mut self.notes);
         let (mut materials, varying, opacities) = prepare_materials(&scene.materials, &textures);

@@ -7,6 +7,7 @@
 mod assembly;
 mod casters;
 mod casting;
+mod lacking;
 mod material;
 mod open;
 mod painted;

@@ -44,6 +44,16 @@ pub enum Texture {
 }
 
 impl Texture {
+    /// How it lies on a surface.
+    pub(crate) fn mapping(&self) -> &UvMapping {
+        match self {
+            Self::Image(image) => &image.mapping,
+            Self::Checker(checker) => &checker.mapping,
+            Self::Bricks(bricks) => &bricks.mapping,
+            Self::Noise(noise) => &noise.mapping,
+        }
+    }
+
     pub(crate) fn validate(
         &self,
         index: usize,

@@ -53,7 +53,12 @@ pub(super) fn parse<'j>(
     json.map_err(|error| {
         let (line, column) = (error.line(), characters(text, error.line(), error.column()));
         let said = error.to_string();
-        let said = said.rsplit_once(" at line ").map_or(&*said, |(what, _)| what);
+        let said = match said.rsplit_once(" at line ") {
+            _ if text.trim_ascii().is_empty() => "it is empty",
+            _ if error.is_eof() => "it ends in the middle of a value",
+            Some((what, _)) => what,
+            None => &said,
+        };
         let kind = if too_deep.get() {
             SceneErrorKind::Limit { what: "levels of nesting", asked: allowed + 1, allowed }
         } else if chunk {

@@ -35,6 +35,8 @@ pub(super) struct Draft<'d> {
     pub(super) texture_names: Vec<TextureName>,
     /// The pictures that they show.
     pub(super) pictures: Pictures,
+    /// Which materials came from mesh files.
+    pub(super) mesh_materials: Vec<usize>,
     /// Mesh files that have been read, by file and crease angle.
     pub(super) mesh_files: HashMap<(PathBuf, Option<u32>), Rc<MeshFile>>,
     /// The matte grey for faces without a material, once one needed it.
@@ -91,6 +93,7 @@ impl<'d> Draft<'d> {
             textures: HashMap::new(),
             texture_names: Vec::new(),
             pictures: Pictures::default(),
+            mesh_materials: Vec::new(),
             mesh_files: HashMap::new(),
             grey: None,
             files: Files::beside(file, options),

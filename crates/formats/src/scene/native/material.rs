@@ -15,7 +15,7 @@ use rutilant::material::{
     MaterialKind, Matte, Medium, Metal, Mirror, Mix, Principled, PrincipledTextures, Sides,
     ThinDielectric,
 };
-use rutilant::scene::{MaterialId, Place, TextureId};
+use rutilant::scene::{MOST_LIGHT, MaterialId, Place, TextureId};
 use rutilant::texture::{Channel, ColorInput, Encoding, ScalarInput};
 use std::collections::HashMap;
 
@@ -190,7 +190,18 @@ fn emission<'d>(
     draft: &mut Draft<'d>,
 ) -> Result<Emission, SceneError> {
     let strength = table.or("strength", Value::number, 1.0)?;
-    let light = |key| table.must(key, Value::color).map(|Rgb(c)| Rgb(c.map(|c| c * strength)));
+    let light = |key| {
+        let Rgb(own) = table.must(key, Value::color)?;
+        let whole = own.map(|c| c * strength);
+        let above = |light: [f32; 3]| light.into_iter().any(|c| c > MOST_LIGHT);
+        match table.get("strength") {
+            Some(value) if above(whole) && !above(own) => Err(value.invalid(format!(
+                "strength is {}, which makes a {key} of more than {MOST_LIGHT:e}",
+                number(strength)
+            ))),
+            _ => Ok(Rgb(whole)),
+        }
+    };
     let light = match table.either(["radiance", "power"])? {
         "radiance" => EmittedLight::Radiance(light("radiance")?),
         _ => EmittedLight::Power(light("power")?),

@@ -27,6 +27,7 @@ mod texture;
 
 use super::framing::{TOO_LARGE, Unseen, frame_all};
 use super::loaded::LoadedScene;
+use super::mesh_file;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
@@ -152,6 +153,10 @@ fn parse_here(
     draft.scene.validate().map_err(|problem| draft.locate(&root, &problem))?;
     draft.scene.bitmaps = draft.pictures.read(&draft.left, options.strict, &mut draft.notes)?;
     draft.read.extend(draft.pictures.files());
+    let from_meshes = std::mem::take(&mut draft.mesh_materials);
+    for (i, what) in mesh_file::tell_normals_from_heights(&mut draft.scene, from_meshes) {
+        draft.notes.extend(draft.places.get(&Place::Material(i)).map(|table| table.note(&what)));
+    }
     let lines = draft.places.iter().map(|(place, table)| (*place, table.line())).collect();
     draft.origins.bitmaps = draft.pictures.origins();
     let Draft { scene, notes, read: files, image_names, texture_names, origins, .. } = draft;

@@ -241,6 +241,7 @@ fn take_in<'d>(
     let first = [draft.scene.materials.len(), draft.scene.textures.len()];
     let materials = mesh_file::adopt(&mut file, &mut draft.scene, &mut draft.pictures);
     answer_for(first, table, draft);
+    draft.mesh_materials.extend(first[0]..draft.scene.materials.len());
     draft.notes.extend(file.notes);
     let without_material = mesh_file::without_material(&file.meshes, &materials);
 
