@@ -3,7 +3,7 @@
 use crate::failure::{Exit, Failure};
 use crate::load::{self, Reading};
 use crate::options;
-use crate::say::{print_json, print_line, tell};
+use crate::say::{one_line, print_json, print_line, tell};
 use crate::text::several;
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         let (error, notes) = match examine(path, &args.reading) {
             Ok((contents, notes)) => {
                 if !args.json {
-                    print_line(&format!("{}: ok: {contents}", path.display()))?;
+                    print_line(&one_line(&format!("{}: ok: {contents}", path.display())))?;
                 }
                 (None, notes)
             }

@@ -5,7 +5,7 @@ use crate::failure::{Exit, Failure};
 use crate::focus::{self, Focus};
 use crate::load::{self, Reading, timed};
 use crate::options;
-use crate::say::{print_json, print_line, tell};
+use crate::say::{one_line, print_json, print_line, tell};
 use crate::text::{bytes, several, significant, time};
 use rutilant::light::{EnvironmentLight, Light};
 use rutilant::material::MaterialKind;
@@ -50,7 +50,7 @@ struct Info {
     shared_meshes: u64,
     instances: u64,
     vertices: u64,
-    /// The names of its cameras, the one that sees it first; those without a name are absent.
+    /// How its cameras are asked for, the one that sees it first.
     cameras: Vec<String>,
     materials: BTreeMap<&'static str, usize>,
     textures: usize,
@@ -150,7 +150,7 @@ fn describe(info: &Info, contents: &str) -> String {
         let parts: Vec<_> = tally.iter().map(|(kind, n)| format!("{n} × {kind}")).collect();
         if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
     };
-    row("scene", &format!("{}: {contents}", info.scene.display()));
+    row("scene", &one_line(&format!("{}: {contents}", info.scene.display())));
     row(
         "picture",
         &format!(
@@ -228,12 +228,16 @@ fn describe(info: &Info, contents: &str) -> String {
     text
 }
 
-/// The names of all cameras, that of the one in use first.
+/// How all cameras are asked for, the one in use first; nothing if it alone is there, without a name.
 fn camera_names(loaded: &LoadedScene) -> Vec<String> {
-    let used = loaded.cameras.get(loaded.camera);
-    let others = loaded.cameras.iter().enumerate().filter(|(i, _)| *i != loaded.camera);
-    let names = used.into_iter().chain(others.map(|(_, camera)| camera)).map(|c| c.name.clone());
-    names.filter(|name| !name.is_empty()).collect()
+    if let [only] = &loaded.cameras[..]
+        && only.name.is_empty()
+    {
+        return Vec::new();
+    }
+    let mut labels = loaded.camera_labels();
+    labels[..=loaded.camera].rotate_right(1);
+    labels
 }
 
 fn tally(kinds: impl IntoIterator<Item = &'static str>) -> BTreeMap<&'static str, usize> {

@@ -111,12 +111,13 @@ pub(crate) fn limit(text: &str) -> Result<(&'static str, u64), String> {
     Ok((name, number))
 }
 
-/// The name of a camera, or `auto`.
+/// The name of a camera, its number, or `auto`.
 pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
-    Ok(match text {
-        "auto" => CameraChoice::Auto,
-        name => CameraChoice::Named(name.to_owned()),
-    })
+    match text {
+        "" => Err("write a name, a number or auto".to_owned()),
+        "auto" => Ok(CameraChoice::Auto),
+        name => Ok(CameraChoice::Named(name.to_owned())),
+    }
 }
 
 /// `none`, one number or three for a radiance, or the path of a picture.
@@ -125,7 +126,7 @@ pub(crate) fn sky(text: &str) -> Result<SkyChoice, String> {
                         of a picture";
     match text {
         "none" => return Ok(SkyChoice::None),
-        option if option.is_empty() || option.starts_with("--") => return Err(WHAT.to_owned()),
+        "" => return Err(WHAT.to_owned()),
         _ => {}
     }
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
@@ -133,6 +134,8 @@ pub(crate) fn sky(text: &str) -> Result<SkyChoice, String> {
         Ok(&[grey]) => Rgb::grey(grey),
         Ok(&[r, g, b]) => Rgb([r, g, b]),
         Ok(_) => return Err(WHAT.to_owned()),
+        // Another option, or a colour in another language.
+        Err(_) if text.starts_with(['-', '#']) => return Err(WHAT.to_owned()),
         Err(_) => return Ok(SkyChoice::Picture(text.into())),
     };
     if radiance.0.iter().any(|c| !(0.0..=MOST_LIGHT).contains(c)) {

@@ -492,11 +492,14 @@ fn summarize(outcome: &Outcome, built_in: bool) {
         tell(&format!("wrote {}", output.display()));
     }
     if built_in {
-        tell(
-            "\nThis is the built-in scene. Next, try\n  \
-             rutilant --spp 1024 -o glass-cube.exr     less noise, scene-linear\n  \
-             rutilant model.obj                        a mesh of your own, or a scene in TOML\n  \
-             rutilant --help                           everything else",
-        );
+        for line in [
+            "",
+            "This is the built-in scene. Next, try",
+            "  rutilant --spp 1024 -o glass-cube.exr     less noise, scene-linear",
+            "  rutilant model.obj                        a mesh of your own, or a scene in TOML",
+            "  rutilant --help                           everything else",
+        ] {
+            tell(line);
+        }
     }
 }

@@ -548,6 +548,8 @@ fn another_sky_is_asked_for() {
         ("1,2", "write none, a radiance as one number or three, like 0.8,0.9,1, or the path"),
         ("-1", "a radiance must lie between 0 and 1e18"),
         ("--quiet", "write none, a radiance as one number or three"),
+        ("-o", "write none, a radiance as one number or three"),
+        ("#ffffff", "write none, a radiance as one number or three"),
         ("-1,0,0", "a radiance must lie between 0 and 1e18"),
         ("gone.hdr", "gone.hdr: "),
         ("sky.toml", "sky.toml: "),

@@ -268,7 +268,7 @@ fn gloss_holes_and_heights_are_painted() {
     }
     let bumpy = named("bumpy").normal_map.expect("bumps").texture;
     assert_eq!(library.textures[bumpy.0 as usize].mapping.scale, Vec2::splat(2.0));
-    let left_out = "map_Ks is left out beside glass, Pr and Pm";
+    let left_out = "map_Ks is left out on glass and beside Pr, Pm, Pc, Ps, aniso";
     assert_eq!(
         library.notes,
         [

@@ -56,6 +56,20 @@ fn normals_are_told_from_heights() {
     fs::write(file("a.mtl"), "newmtl m\nKd .5\nmap_Bump -bm 0.5 a.png\n").unwrap();
     let scene = "[[shape]]\ntype = \"mesh\"\nfile = \"a.obj\"\n";
     let note = "material \"m\": its bump looks like normals, and is read as such";
+    // Of a picture whose rows are a power of two, all of it counts: neither a black margin of one
+    // column nor a blue one changes what it is.
+    for (inside, margin, shows) in
+        [([128, 128, 255], [0; 3], Bumps::Normals), ([90; 3], [128, 128, 255], Bumps::Heights)]
+    {
+        let texels = (0..512 * 512).flat_map(|i| if i % 512 == 0 { margin } else { inside });
+        let mut bytes = Vec::new();
+        let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+        let texels: Vec<u8> = texels.collect();
+        encoder.write_image(&texels, 512, 512, ExtendedColorType::Rgb8).expect("encoded");
+        fs::write(file("a.png"), bytes).expect("written");
+        let bare = read_scene(&file("a.obj"), &ReadOptions::default()).expect("a mesh");
+        assert_eq!(bare.scene.materials[0].normal_map.expect("bumps").shows, shows);
+    }
     for (kind, samples, shows) in [
         (ExtendedColorType::Rgb8, &[128, 128, 255, 118, 138, 254][..], Bumps::Normals),
         (ExtendedColorType::Rgba8, &[128, 128, 255, 255, 160, 100, 248, 255], Bumps::Normals),

@@ -9,7 +9,9 @@ use rutilant::color::Rgb;
 use rutilant::geom::{Ray, Transform, Vec2, Vec3};
 use rutilant::image::Image;
 use rutilant::light::{Environment, Light};
-use rutilant::material::{Absorption, Bumps, Dielectric, Emission, Material, Matte, NormalMap};
+use rutilant::material::{
+    Absorption, Bumps, Dielectric, Emission, Material, Matte, Mix, NormalMap,
+};
 use rutilant::scene::{MaterialId, MeshId, Place, Scene};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
@@ -371,8 +373,8 @@ fn an_edited_scene_looks_as_if_it_were_new() {
     }
 }
 
-/// A set of texture coordinates that a mesh has not, and bumps on a sphere: told, once each, and
-/// nothing about those that have what is asked for.
+/// Texture coordinates that a mesh has not, bumps on a sphere and on parts of a mix: told, once each,
+/// and nothing about those that have what is asked for.
 #[test]
 fn what_shapes_lack_is_told() {
     let mut scene = scene();
@@ -387,8 +389,11 @@ fn what_shapes_lack_is_told() {
     let map = NormalMap { texture: plain, scale: 1.0, shows: Bumps::Normals };
     let bumpy = Material { normal_map: Some(map), ..Matte::new(albedo(plain)).into() };
     let bumpy = scene.add_material(bumpy);
+    let half = scene.add_material(Mix { first: bumpy, second: asks, amount: 0.5 });
+    let without = scene.add_mesh(cube());
     let two_sets = Mesh { uvs: vec![Vec2::ZERO; 8], more_uvs: vec![vec![Vec2::ONE; 8]], ..cube() };
-    let (two_sets, one_set) = (scene.add_mesh(two_sets), scene.add_mesh(cube()));
+    let (two_sets, one_set) =
+        (scene.add_mesh(two_sets), scene.add_mesh(Mesh { uvs: vec![Vec2::ZERO; 8], ..cube() }));
     let notes = |shapes: &[(Shape, MaterialId)]| {
         let mut scene = scene.clone();
         let objects = shapes.iter().map(|(shape, material)| Object::new(shape.clone(), *material));
@@ -397,11 +402,17 @@ fn what_shapes_lack_is_told() {
         prepared.report().notes.iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     let sphere = Shape::Sphere { radius: 1.0 };
-    assert_eq!(notes(&[(Shape::Mesh(two_sets), asks), (Shape::Mesh(one_set), bumpy)]), [""; 0]);
+    let of_mix = "material 2: bumps of the parts of a mix are not shown: it has its own normal_map";
+    assert_eq!(notes(&[(Shape::Mesh(two_sets), asks), (Shape::Mesh(one_set), bumpy)]), [of_mix]);
+    let none = [(Shape::Mesh(without), asks), (Shape::Mesh(without), half)];
+    let [_, first, second] = &notes(&none)[..] else { panic!("three notes") };
+    assert!(first.starts_with("material 0: a mesh has no texture coordinates"), "{first}");
+    assert!(second.starts_with("material 2: a mesh has no texture coordinates"), "{second}");
     let twice = [(Shape::Mesh(one_set), asks), (sphere.clone(), asks), (sphere.clone(), bumpy)];
     assert_eq!(
         notes(&[&twice[..], &twice[..]].concat()),
         [
+            of_mix,
             "material 0: set 1 of texture coordinates is missing on a shape, whose first is taken",
             "material 1: spheres, disks and custom shapes are shown without its bumps",
         ]

@@ -36,12 +36,13 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     notes.extend(changed.iter().map(|(_, what)| note(what)));
     let no_faces = file.meshes.is_empty();
     let bare = |name: &Option<String>| name.as_ref().is_none_or(|n| !materials.contains_key(n));
+    let some_bare = file.meshes.iter().any(|(_, name)| bare(name));
     if let Some(without) = mesh_file::without_material(&file.meshes, &materials) {
         notes.push(note(&format!("{without}: matte grey stands in")));
-    } else if file.meshes.iter().any(|(_, name)| bare(name)) {
+    } else if some_bare {
         notes.push(note("the file has no materials: matte grey stands in"));
     }
-    let backup = scene.add_material(grey());
+    let backup = some_bare.then(|| scene.add_material(grey()));
     let mut origins = Origins { bitmaps: pictures.origins(), ..Origins::default() };
     if let ([_], true) = (&file.meshes[..], materials.is_empty()) {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -49,8 +50,9 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
     }
     for (mesh, name) in file.meshes {
         let own = name.and_then(|name| materials.get(&name).copied());
+        let Some(material) = own.or(backup) else { continue };
         let shape = Shape::Mesh(scene.add_mesh(mesh));
-        scene.objects.push(Object::new(shape, own.unwrap_or(backup)));
+        scene.objects.push(Object::new(shape, material));
     }
 
     // Light and a camera.

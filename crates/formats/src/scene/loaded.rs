@@ -11,7 +11,7 @@ use rutilant::display::Display;
 use rutilant::light::{Environment, Projection};
 use rutilant::scene::{Note, Place, Scene};
 use rutilant::settings::Settings;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// A scene as its file describes it: what there is, how to render it, how to look at it.
@@ -55,6 +55,12 @@ pub enum TextureName {
 }
 
 impl LoadedScene {
+    /// How its cameras are asked for: each by its name, or by its number where it has no name of its
+    /// own.
+    pub fn camera_labels(&self) -> Vec<String> {
+        labels(&self.cameras)
+    }
+
     /// A note on the scene, which was read from `file`, in one line that begins with the place.
     pub fn locate(&self, note: &Note, file: &Path) -> String {
         let line = note.place.and_then(|place| self.lines.get(&place));
@@ -120,6 +126,18 @@ impl LoadedScene {
     }
 }
 
+/// How cameras are asked for: by their names, or, where those are missing or not the first of their
+/// kind, by their numbers.
+fn labels(cameras: &[AuthoredCamera]) -> Vec<String> {
+    let mut known = HashSet::from([""]);
+    let numbered = cameras.iter().zip(1_usize..);
+    let label = |(camera, number): (&'_ AuthoredCamera, usize), is_new: bool| match is_new {
+        true => shown(&camera.name),
+        false => format!("number {number}"),
+    };
+    numbered.map(|numbered| label(numbered, known.insert(&numbered.0.name))).collect()
+}
+
 /// What is said where a time is asked for in vain.
 pub(super) const NOTHING_MOVES: &str = "nothing in it moves, whatever time is asked for";
 
@@ -136,9 +154,8 @@ pub(super) fn camera_named(
     if let Some(at) = cameras.iter().position(|camera| camera.name == *name) {
         return Ok(at);
     }
-    let number = name.parse::<usize>().ok().filter(|number| (1..=cameras.len()).contains(number));
-    if let Some(number) = number {
-        return Ok(number - 1);
+    if let Some(at) = (0..cameras.len()).find(|at| (at + 1).to_string() == *name) {
+        return Ok(at);
     }
     let names = cameras.iter().map(|camera| camera.name.as_str()).filter(|name| !name.is_empty());
     let kind = match nearest(name, names.clone()) {
@@ -148,12 +165,9 @@ pub(super) fn camera_named(
             closest: Some(shown(closest)),
         },
         None => {
-            let known: Vec<String> = names.take(20).map(shown).collect();
-            let there_are = match &known[..] {
-                [] if cameras.len() == 1 => "the only one has no name: its number is 1".to_owned(),
-                [] => format!("none has a name: their numbers are 1 to {}", cameras.len()),
+            let there_are = match &labels(cameras)[..] {
                 [only] => format!("there is only {only}"),
-                _ => format!("there are {}", known.join(", ")),
+                known => format!("there are {}", known[..known.len().min(20)].join(", ")),
             };
             SceneErrorKind::Invalid(format!("no camera \"{}\"; {there_are}", shown(name)))
         }

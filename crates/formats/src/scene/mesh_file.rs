@@ -129,8 +129,11 @@ pub(super) fn tell_normals_from_heights(
 /// Whether colours are directions out of a surface, most of them nearly straight: red and green are
 /// about a half in the mean, and all vectors have length 1.
 fn looks_like_normals(bitmap: &Bitmap) -> bool {
-    /// So many texels, spread evenly, tell.
+    /// So many texels tell.
     const SEEN: usize = 4096;
+    /// Multiples of the golden ratio, of which only what is behind the point counts, are spread
+    /// evenly over any whole, whatever its rows are long: here as a part of 2⁶⁴.
+    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     let channels = bitmap.channels();
     let count = bitmap.width() as usize * bitmap.height() as usize;
     let value = |i: usize| match bitmap.texels() {
@@ -141,8 +144,9 @@ fn looks_like_normals(bitmap: &Bitmap) -> bool {
     if channels < 3 {
         return false;
     }
-    let texels = (0..count).step_by(count.div_ceil(SEEN));
-    let vectors: Vec<Vec3> = texels
+    let spread = |k: u64| ((u128::from(k.wrapping_mul(GOLDEN)) * count as u128) >> 64) as usize;
+    let vectors: Vec<Vec3> = (0..SEEN as u64)
+        .map(spread)
         .map(|i| i * channels)
         .map(|i| 2.0 * Vec3::new(value(i), value(i + 1), value(i + 2)) - Vec3::ONE)
         .collect();

@@ -23,8 +23,8 @@
 //!
 //! "Over" is a mix in which the gloss has the share of the brightest channel of
 //! its colour. Where `Kd` and the gloss would send back more than they get, both
-//! are dimmed. With `Ni` above 1 and `Kd` not dark, the gloss of the last but
-//! one row is that of a varnish: `Ks` times what such an index reflects, as
+//! are dimmed. With `Ni` above 1 and `Kd` not dark, the gloss of `Ks` and `Ns`
+//! is that of a varnish: `Ks` times what such an index reflects, as
 //! exporters that write `Ks 0.5` for everything mean it. Where there is no `Ni`
 //! at all, its highlight is as bright as the formula of 1990 makes it, against
 //! white matter under the same lamp: `Ks` times 8 / (Ns + 2), but no less than a
@@ -604,7 +604,9 @@ impl<'a> Parser<'a> {
 
     fn without_map_ks(&mut self, written: &Written, shown: &str) {
         if written.map_ks.is_some() {
-            let what = format!("material {shown}: map_Ks is left out beside glass, Pr and Pm");
+            let what = format!(
+                "material {shown}: map_Ks is left out on glass and beside Pr, Pm, Pc, Ps, aniso"
+            );
             self.note(written.at, &what);
         }
     }

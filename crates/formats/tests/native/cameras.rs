@@ -81,7 +81,7 @@ fn unknown_cameras_are_explained() {
         (TWO, "frnt", r#"scene.toml: no camera "frnt"; did you mean "front"?"#),
         (TWO, "left side", r#"scene.toml: no camera "left side"; there are front, top"#),
         (&one, "left side", r#"scene.toml: no camera "left side"; there is only front"#),
-        (&nameless, "0", r#"scene.toml: no camera "0"; the only one has no name: its number is 1"#),
+        (&nameless, "02", r#"scene.toml: no camera "02"; there is only number 1"#),
         (TWO, "3", r#"scene.toml: no camera "3"; there are front, top"#),
     ] {
         let error = seen_by(text, Some(asked)).expect_err(asked).to_string();

@@ -325,7 +325,11 @@ const MISTAKES: &[(&str, &str)] = &[
     (
         "[[material]]\nname = \"a\"\ntype = \"black\"\n\
          emission = { radiance = 1e18, strength = 1e30 }",
-        "11:42: strength is 1e30, which makes a radiance of more than 1e18",
+        "11:42: strength is 1e30, but must be 0 or more, and the radiance with it at most 1e18",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"black\"\nemission = { power = 1, strength = -1 }",
+        "11:36: strength is -1, but must be 0 or more, and the power with it at most 1e18",
     ),
     (
         "[[material]]\nname = \"a\"\ntype = \"emissive\"",

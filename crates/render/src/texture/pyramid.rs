@@ -375,6 +375,19 @@ mod tests {
         assert_eq!(at(1.0, Wrap::Repeat), 1.5);
         assert_eq!(at(1.0, Wrap::Mirror), 3.0);
         assert_eq!([at(-7.0, Wrap::Clamp), at(9.0, Wrap::Clamp)], [0.0, 3.0]);
+        // One column is its own neighbour, and what rounds to the far edge is still within.
+        let one = float(1, 1, vec![7.0]);
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for u in [0.0, 0.3, 1.0, -1e-9, 1.0 - 1e-9] {
+                let found = one.find(Vec2::new(u, u), 0.0, [wrap; 2], Interpolation::Bilinear);
+                assert_eq!(found.read(), [7.0, 7.0, 7.0, 1.0]);
+            }
+            for (x, i) in [(0.0, 0), (4.0, 3), (3.999_999_8, 3), (0.5, 0), (0.499, 0)] {
+                let ([first, second], part) = wrap.neighbours(x, 4);
+                assert!(first < 4 && second < 4 && (0.0..=1.0).contains(&part), "{x} {part}");
+                assert!([first, second].contains(&i), "{x}: {first} {second}");
+            }
+        }
         for u in [f32::NAN, f32::INFINITY, f32::MAX, f32::MIN] {
             for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
                 assert!(at(u, wrap).is_finite());

@@ -82,10 +82,17 @@ impl Document {
                 return SceneError::invalid_file(&self.file, what);
             }
             let names = self.variants.iter().map(String::as_str);
-            let kind = SceneErrorKind::Unknown {
-                what: "variant",
-                name: shown(name),
-                closest: nearest(name, names).map(shown),
+            let kind = match nearest(name, names.clone()) {
+                Some(closest) => SceneErrorKind::Unknown {
+                    what: "variant",
+                    name: shown(name),
+                    closest: Some(shown(closest)),
+                },
+                None => {
+                    let known: Vec<String> = names.take(20).map(shown).collect();
+                    let (name, known) = (shown(name), known.join(", "));
+                    SceneErrorKind::Invalid(format!("no variant \"{name}\"; there are {known}"))
+                }
             };
             SceneError::in_file(&self.file, kind)
         })

@@ -53,11 +53,14 @@ pub(super) fn parse<'j>(
     json.map_err(|error| {
         let (line, column) = (error.line(), characters(text, error.line(), error.column()));
         let said = error.to_string();
-        let said = match said.rsplit_once(" at line ") {
-            _ if text.trim_ascii().is_empty() => "it is empty",
-            _ if error.is_eof() => "it ends in the middle of a value",
-            Some((what, _)) => what,
-            None => &said,
+        let said = if text.trim_ascii().is_empty() {
+            "it is empty"
+        } else if error.is_eof() {
+            "it ends in the middle of a value"
+        } else if text.contains(&0) {
+            "this is no glTF document"
+        } else {
+            said.rsplit_once(" at line ").map_or(&*said, |(what, _)| what)
         };
         let kind = if too_deep.get() {
             SceneErrorKind::Limit { what: "levels of nesting", asked: allowed + 1, allowed }

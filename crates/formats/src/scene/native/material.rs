@@ -193,10 +193,10 @@ fn emission<'d>(
     let light = |key| {
         let Rgb(own) = table.must(key, Value::color)?;
         let whole = own.map(|c| c * strength);
-        let above = |light: [f32; 3]| light.into_iter().any(|c| c > MOST_LIGHT);
+        let sound = |light: [f32; 3]| light.iter().all(|c| (0.0..=MOST_LIGHT).contains(c));
         match table.get("strength") {
-            Some(value) if above(whole) && !above(own) => Err(value.invalid(format!(
-                "strength is {}, which makes a {key} of more than {MOST_LIGHT:e}",
+            Some(value) if sound(own) && !sound(whole) => Err(value.invalid(format!(
+                "strength is {}, but must be 0 or more, and the {key} with it at most {MOST_LIGHT:e}",
                 number(strength)
             ))),
             _ => Ok(Rgb(whole)),

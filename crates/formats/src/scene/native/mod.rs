@@ -49,7 +49,10 @@ pub(crate) fn text(path: &Path, limits: &Limits) -> Result<String, SceneError> {
     String::from_utf8(file::scene_bytes(path, limits)?).map_err(|error| {
         let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let good = String::from_utf8_lossy(good);
-        let what = "the text is not UTF-8 here; save the file as UTF-8";
+        let what = match error.as_bytes().contains(&0) {
+            true => "this is no text, so no scene in TOML",
+            false => "the text is not UTF-8 here; save the file as UTF-8",
+        };
         Document::new(&good, path).invalid(good.len(), what)
     })
 }
