@@ -11,6 +11,7 @@ pub(crate) mod native;
 mod nearest;
 pub mod obj;
 pub(crate) mod origins;
+pub(crate) mod pbrt;
 pub(crate) mod pictures;
 pub mod ply;
 mod polygon;

@@ -89,6 +89,11 @@ fn srgb_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
     ]
 }
 
+/// Linear sRGB of a colour in CIE XYZ; not below 0.
+pub(crate) fn rgb_from_xyz(xyz: [f32; 3]) -> Rgb {
+    Rgb(srgb_from_xyz(xyz.map(f64::from)).map(|c| c.max(0.0) as f32))
+}
+
 fn daylight(nm: f32) -> f64 {
     let x = (nm - 380.0) / 20.0;
     let i = (x as usize).min(D65.len() - 2);
@@ -126,18 +131,21 @@ impl Sampled {
         Self::new(points).ok_or_else(|| "its wavelengths do not ascend".to_owned())
     }
 
-    /// What a body of this temperature in kelvin radiates, in W/(m² sr nm) (Planck's law).
+    /// What a body of this temperature in kelvin radiates, in W/(m² sr nm).
     pub(crate) fn black_body(kelvin: f32) -> Self {
+        let at = |nm: u16| (f32::from(nm), Self::black_body_at(f32::from(nm), kelvin));
+        Self { points: VISIBLE_NM.step_by(5).map(at).collect() }
+    }
+
+    /// The same at one wavelength, in nanometres (Planck's law).
+    pub(crate) fn black_body_at(nm: f32, kelvin: f32) -> f32 {
         // 2 h c² in W m² and h c / k in m K (CODATA 2018, which are exact).
         const FIRST: f64 = 1.191_042_972e-16;
         const SECOND: f64 = 1.438_776_877e-2;
-        let at = |nm: u16| {
-            let metres = 1e-9 * f64::from(nm);
-            let power = f64::from(real::exp((SECOND / (metres * f64::from(kelvin))) as f32));
-            let per_metre = FIRST / (metres * metres * metres * metres * metres) / (power - 1.0);
-            (1e-9 * per_metre) as f32
-        };
-        Self { points: VISIBLE_NM.step_by(5).map(|nm| (f32::from(nm), at(nm))).collect() }
+        let metres = 1e-9 * f64::from(nm);
+        let power = f64::from(real::exp((SECOND / (metres * f64::from(kelvin))) as f32));
+        let per_metre = FIRST / (metres * metres * metres * metres * metres) / (power - 1.0);
+        (1e-9 * per_metre) as f32
     }
 
     /// The same with its ends held: before the first wavelength as there, behind the last as there.
@@ -244,6 +252,12 @@ pub(crate) fn metal(symbol: &str) -> Option<[Rgb; 2]> {
         "Cu" => Metal::Copper,
         "Ag" => Metal::Silver,
         "Al" => Metal::Aluminium,
+        // Brass at 650, 550 and 450 nm, after Querry, *Optical Constants*, 1985.
+        "CuZn" => return Some([[0.444, 0.527, 1.094], [3.695, 2.765, 1.829]].map(Rgb)),
+        // Magnesia by Stephens and Malitson, 1952, and rutile by Devore, 1951, at the same: clear
+        // crystals, whose surfaces reflect as these numbers say.
+        "MgO" => return Some([[1.734, 1.740, 1.751], [0.0; 3]].map(Rgb)),
+        "TiO2" => return Some([[2.577, 2.648, 2.806], [0.0; 3]].map(Rgb)),
         _ => return None,
     };
     let conductor = metal.conductor(0.0);
@@ -251,7 +265,7 @@ pub(crate) fn metal(symbol: &str) -> Option<[Rgb; 2]> {
 }
 
 /// The symbols that [`metal`] knows.
-pub(crate) const METALS: [&str; 4] = ["Au", "Cu", "Ag", "Al"];
+pub(crate) const METALS: [&str; 7] = ["Au", "Cu", "Ag", "Al", "CuZn", "MgO", "TiO2"];
 
 /// A clear medium by its name.
 #[derive(Clone, Copy, Debug, PartialEq)]
