@@ -70,7 +70,7 @@ pub(super) fn read(
     // What it sees: the borders of a plane at distance 1.
     let [width, height] = film.size.map(|side| side as f32);
     let aspect = parameters.number_or("frameaspectratio", width / height, texts)?;
-    if !(aspect > 0.0) {
+    if aspect.is_nan() || aspect <= 0.0 {
         return Err(
             texts.invalid(place, format!("frameaspectratio is {aspect}, but must be more than 0"))
         );

@@ -40,7 +40,7 @@ impl Film {
             let (from, to) = (at("shutteropen", 0.0)?, at("shutterclose", 1.0)?);
             if !description.is_old {
                 open = to - from;
-                if !(open > 0.0) {
+                if open.is_nan() || open <= 0.0 {
                     let what = format!(
                         "the shutter opens at {from} and closes at {to}: it must be open for a while"
                     );

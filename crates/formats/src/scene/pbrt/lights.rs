@@ -363,7 +363,7 @@ fn upper_illuminance(picture: &Image, projection: Projection) -> f32 {
     let Some(pixels) = picture.rgb() else { return 0.0 };
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let mut sum = 0.0_f64;
-    for i in 0..width * height {
+    for (i, pixel) in pixels.into_iter().enumerate() {
         let (column, row) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         // How high a pixel stands, and its solid angle.
         let (up, angle) = match projection {
@@ -382,7 +382,7 @@ fn upper_illuminance(picture: &Image, projection: Projection) -> f32 {
                 (f64::from(cos), step * f64::from(sin) / (width * height) as f64)
             }
         };
-        let light = Spectrum::from(pixels[i]).luminance();
+        let light = Spectrum::from(pixel).luminance();
         if up > 0.0 && light.is_finite() {
             sum += up * angle * f64::from(light);
         }

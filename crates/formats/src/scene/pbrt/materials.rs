@@ -290,7 +290,7 @@ impl Maker<'_> {
                     self.color(parameters, "Ks", grey(0.25))?,
                 );
                 let rough = self.rough(parameters, "", 0.1, false)?;
-                self.glossy(&body, gloss, 1.5, &rough, parameters)
+                self.glossy(&body, &gloss, 1.5, &rough, parameters)
             }
             "substrate" => {
                 let (body, gloss) = (
@@ -300,7 +300,7 @@ impl Maker<'_> {
                 let rough = self.rough(parameters, "", 0.1, false)?;
                 // What it reflects is said for light that falls straight onto it, not as a factor.
                 let gloss = gloss.times(grey(1.0 / normal_reflectance(1.5)));
-                self.glossy(&body, gloss, 1.5, &rough, parameters)
+                self.glossy(&body, &gloss, 1.5, &rough, parameters)
             }
             "metal" => self.conductor(parameters, true)?,
             "mirror" => {
@@ -367,7 +367,7 @@ impl Maker<'_> {
                     }
                 }
                 let opacity = self.number(parameters, "opacity", 1.0)?;
-                let mut material = self.glossy(&body, gloss, ior, &rough, parameters);
+                let mut material = self.glossy(&body, &gloss, ior, &rough, parameters);
                 self.open(&mut material, &opacity);
                 material
             }
@@ -419,13 +419,13 @@ impl Maker<'_> {
     fn glossy(
         &mut self,
         body: &Texel,
-        gloss: Texel,
+        gloss: &Texel,
         ior: f32,
         rough: &Rough,
         parameters: &Parameters,
     ) -> Material {
         let (base_color, texture) = self.unit_color(body, "Kd", parameters);
-        let (specular, gloss_texture) = self.input(&gloss);
+        let (specular, gloss_texture) = self.input(gloss);
         let specular_color = Rgb(specular.0.map(|c| c.clamp(0.0, MAX_SPECULAR_COLOR)));
         // A factor on what it reflects straight on is none on what it reflects at grazing.
         let is_dull = specular_color == Rgb::BLACK;

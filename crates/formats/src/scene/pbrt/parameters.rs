@@ -16,17 +16,6 @@ pub(super) enum Values {
     Texts(Vec<String>),
 }
 
-impl Values {
-    pub(super) fn len(&self) -> usize {
-        match self {
-            Self::Whole(values) => values.len(),
-            Self::Numbers(values) => values.len(),
-            Self::Truths(values) => values.len(),
-            Self::Texts(values) => values.len(),
-        }
-    }
-}
-
 /// A parameter of a statement.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
@@ -274,16 +263,18 @@ impl Parameters {
         texts: &Texts,
     ) -> SceneError {
         let has = match values {
+            Values::Whole(v) if v.len() == 1 => "one whole number".to_owned(),
             Values::Whole(v) => format!("{} whole numbers", v.len()),
             Values::Numbers(v) if v.iter().any(|v| !v.is_finite()) => {
                 "numbers that are not finite".to_owned()
             }
+            Values::Numbers(v) if v.len() == 1 => "one number".to_owned(),
             Values::Numbers(v) => format!("{} numbers", v.len()),
+            Values::Truths(v) if v.len() == 1 => "true or false".to_owned(),
             Values::Truths(v) => format!("{} truths", v.len()),
+            Values::Texts(v) if v.len() == 1 => "one text".to_owned(),
             Values::Texts(v) => format!("{} texts", v.len()),
         };
-        let has =
-            if values.len() == 1 { has.replace("s", "").replace("text", "text") } else { has };
         let name = shown(&parameter.name);
         texts.invalid(parameter.place, format!("\"{name}\" is {has}, but must be {must}"))
     }
@@ -359,11 +350,14 @@ fn push(
         Values::Numbers(list) => {
             number(letters).filter(|_| word).map(|value| list.push(value)).ok_or("a number")
         }
-        Values::Truths(list) => match letters {
-            b"true" => Ok(list.push(true)),
-            b"false" => Ok(list.push(false)),
-            _ => Err("true or false"),
-        },
+        Values::Truths(list) => {
+            let truth = match letters {
+                b"true" => Some(true),
+                b"false" => Some(false),
+                _ => None,
+            };
+            truth.map(|truth| list.push(truth)).ok_or("true or false")
+        }
         Values::Texts(list) => {
             (!word).then(|| list.push(lexer.string(token))).ok_or("a text between \"\"")
         }

@@ -286,7 +286,7 @@ impl<'o> Parser<'o> {
 
             // What is begun, and ends.
             "AttributeBegin" => {
-                self.save(Saved::Attributes(Box::new(self.state.clone())), place)?
+                self.save(Saved::Attributes(Box::new(self.state.clone())), place)?;
             }
             "TransformBegin" => self.save(Saved::Transform(self.state.map), place)?,
             "ObjectBegin" => {

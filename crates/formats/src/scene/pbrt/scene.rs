@@ -336,7 +336,7 @@ impl<'d> Maker<'d> {
     /// The scene's material for a shape.
     fn material(&mut self, placed: &Placed) -> Result<MaterialId, SceneError> {
         let which = self.which(&placed.material)?;
-        let media = [&placed.inside, &placed.outside].map(|name| name.to_string());
+        let media = [&placed.inside, &placed.outside].map(ToString::to_string);
         let alpha = self.alpha(placed)?;
         let parts = placed.area_light.as_ref().map(|light| {
             let told = light.parameters.get("power").is_some();

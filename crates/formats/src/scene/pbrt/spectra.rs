@@ -51,7 +51,7 @@ impl Told {
             Self::Glass(glass) => Rgb::grey(glass.ior),
             Self::Body { kelvin, factor: None } => spectrum::black_body(*kelvin),
             Self::Body { kelvin, factor: Some(factor) } => {
-                if !(*kelvin > 0.0) {
+                if kelvin.is_nan() || *kelvin <= 0.0 {
                     return Rgb::BLACK;
                 }
                 let body = Sampled::black_body(kelvin.max(300.0));
