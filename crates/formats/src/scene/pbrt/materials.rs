@@ -504,7 +504,7 @@ impl Maker<'_> {
     /// The index of a metal.
     fn metal(&mut self, parameters: &Parameters, prefix: &str) -> Result<Metal, SceneError> {
         let of = |name: &str| format!("{prefix}{name}");
-        if let Some(told) = self.spectrum(parameters, &of("reflectance"))? {
+        if let Some(told) = self.spectrum(parameters, "reflectance")? {
             // What reflects so much without an index of its own.
             let k = told.reflectance().0.map(|r| {
                 let r = r.clamp(0.0, 0.9999);
@@ -828,7 +828,9 @@ impl Maker<'_> {
                         format!("{} is as rough along u as along v: their mean", parameters.of);
                     self.note(parameters.place, what);
                 }
-                let alpha = (alpha(u) * alpha(v)).max(0.0).sqrt().min(1.0);
+                // As steep in the mean square, as brushed surfaces are told here.
+                let (u, v) = (alpha(u), alpha(v));
+                let alpha = (0.5 * (u * u + v * v)).sqrt().min(1.0);
                 Ok(Rough { roughness: alpha.sqrt(), texture: None })
             }
             (u_number, _) => {

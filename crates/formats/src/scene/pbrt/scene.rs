@@ -525,6 +525,10 @@ impl<'d> Maker<'d> {
         for (id, changes) in std::mem::take(&mut self.changed) {
             let Texture::Image(image) = &self.scene.textures[id.0 as usize] else { continue };
             let source = image.bitmap.0 as usize;
+            // What stands in for a picture is nothing to be changed.
+            if matches!(origins.get(source), Some(PictureOrigin::Missing(_))) {
+                continue;
+            }
             let key = format!("{source} {:?} {changes:?}", image.encoding);
             let next = wanted.len();
             let number = *known.entry(key).or_insert(next);
