@@ -129,7 +129,7 @@ const AFTER_HEAD: &[(&str, &str)] = &[
     ),
     (
         "[environment]\nimage = \"sky.gif\"",
-        ":9:9: sky.gif: no image format .gif; there are .exr, .hdr, .pfm, .png, .jpg, .webp",
+        ":9:9: sky.gif: no image format .gif; there are .exr, .hdr, .pfm, .png, .jpg, .webp, .tga",
     ),
     ("[environment]\nimage = \"bad.pfm\"", r#":9:9: bad.pfm: "x" is not a height"#),
     ("[environment]\nimage = \"cut.png\"", ":9:9: cut.png: the file ends in its header"),

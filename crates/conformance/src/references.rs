@@ -10,7 +10,7 @@
 use crate::matrix::render;
 use rutilant::Prepared;
 use rutilant::image::Image;
-use rutilant_formats::{Limits, LoadedScene, ReadOptions, image, parse_native};
+use rutilant_formats::{Limits, LoadedScene, ReadOptions, image, parse_native, read_scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,6 +50,82 @@ pub const ALL: &[Reference] = &[
         remark: "Not the same and not meant to be: the reference's plates have facets of the Beckmann distribution, ours of GGX, which spreads light farther. By an integral over the lamps in double precision, the direct light on the three rougher plates is that of Beckmann facets within 0.2 % in the reference, and that of GGX facets within 0.1, 0.6 and 1.6 % in ours, more the rougher they are, because ours keep what facets send into each other.",
     },
 ];
+
+/// A scene of pbrt, read from the data folder as it is, and the picture that it should give.
+#[derive(Clone, Copy, Debug)]
+pub struct Foreign {
+    /// The scene, from the data folder.
+    pub scene: &'static str,
+    /// The picture, from the data folder.
+    pub picture: &'static str,
+    /// What is not compared, in pixels: first column and row, width and height.
+    pub without: Option<[u32; 4]>,
+    /// Why, and what else is known of the difference.
+    pub remark: &'static str,
+}
+
+/// All of them. That of veach-mis is none: its file says copper that reflects all that copper does, and
+/// paths of four segments, where the reference has 0.3 of copper and three; see [`ALL`] for the rest.
+pub const PBRT: &[Foreign] = &[
+    Foreign {
+        scene: "pbrt/bitterli-cornell-box/scene-v4.pbrt",
+        picture: "mitsuba/bitterli-cornell-box/TungstenRender.exr",
+        without: None,
+        remark: "",
+    },
+    Foreign {
+        scene: "pbrt/bitterli-coffee/scene-v4.pbrt",
+        picture: "pbrt/bitterli-coffee/TungstenRender.exr",
+        without: Some([200, 600, 360, 200]),
+        remark: "In the jug the reference lacks light that has met glass eleven times and more, though the file asks for 17; ours is the same there with and without paths from lights.",
+    },
+];
+
+impl Foreign {
+    /// Renders the scene with `spp` samples per pixel and compares it with the picture in `data`, by
+    /// the means of squares of `block` pixels a side. `None` where either is absent.
+    ///
+    /// # Errors
+    /// What is wrong with the scene or the picture.
+    pub fn measure(
+        &self,
+        data: &Path,
+        spp: u64,
+        block: u32,
+        threads: usize,
+    ) -> Result<Option<Measured>, String> {
+        let [scene, picture] = [self.scene, self.picture].map(|name| data.join(name));
+        if !scene.exists() || !picture.exists() {
+            return Ok(None);
+        }
+        let reference = image::read(&picture, &Limits::default()).map_err(|e| e.to_string())?;
+        let loaded = read_scene(&scene, &ReadOptions::default()).map_err(|e| e.to_string())?;
+        let LoadedScene { scene, mut settings, .. } = loaded;
+        settings.spp = spp;
+        let scene = Arc::new(Prepared::new(&scene).map_err(|e| e.to_string())?);
+        let ours = render(&scene, settings, threads).map_err(|e| e.to_string())?;
+        if [ours.width(), ours.height()] != [reference.width(), reference.height()] {
+            return Err(format!("{}: scene and picture have different sizes", self.scene));
+        }
+        let [ours, reference] = [&ours, &reference].map(|image| match self.without {
+            Some(window) => blackened(image, window),
+            None => image.clone(),
+        });
+        Ok(Some(measured(&ours, &reference, block)))
+    }
+}
+
+/// A picture that is black in a window.
+fn blackened(image: &Image, [x, y, width, height]: [u32; 4]) -> Image {
+    let columns = image.width();
+    let within = |i: usize| {
+        let (column, row) = (i as u32 % columns, i as u32 / columns);
+        (x..x + width).contains(&column) && (y..y + height).contains(&row)
+    };
+    let pixels = image.rgb().expect("pictures have colour").into_iter().enumerate();
+    let pixels: Vec<_> = pixels.map(|(i, p)| if within(i) { [0.0; 3] } else { p }).collect();
+    Image::from_rgb(columns, image.height(), &pixels).expect("as many pixels")
+}
 
 /// How far a picture of ours is from the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]

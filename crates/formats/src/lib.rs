@@ -46,12 +46,15 @@ const SCENES: &[(&str, SceneReader)] = &[
     ("glb", scene::gltf::scene::read),
     ("obj", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
     ("ply", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
+    ("pbrt", |path, options| {
+        scene::pbrt::scene::read(path, options)?.without_variants(path, options)
+    }),
 ];
 
 /// Reads the scene in a file of any kind that is known by its extension.
 ///
 /// `.toml` is the native format (docs/scene-format.md), `.gltf` and `.glb` are glTF 2.0
-/// (docs/gltf.md). A bare `.obj` or `.ply`
+/// (docs/gltf.md), `.pbrt` is pbrt's (docs/pbrt.md). A bare `.obj` or `.ply`
 /// becomes a scene as well: under an even sky, seen by a camera that fits it.
 ///
 /// # Errors
@@ -92,6 +95,22 @@ pub fn parse_native(
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
     let loaded = scene::native::parse(text, file, options)?;
+    loaded.without_variants(file, options)?.under(file, options)
+}
+
+/// Reads a scene of pbrt (docs/pbrt.md) that is already in memory.
+///
+/// `file` is where it would stand: errors name it, and the files that the scene names are looked for
+/// beside it, after those in [`ReadOptions::embedded`].
+///
+/// # Errors
+/// As for [`parse_native`].
+pub fn parse_pbrt(
+    bytes: Vec<u8>,
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<LoadedScene, SceneError> {
+    let loaded = scene::pbrt::scene::read_bytes(bytes, file, options)?;
     loaded.without_variants(file, options)?.under(file, options)
 }
 

@@ -363,12 +363,12 @@ fn errors_say_what_is_wrong() {
         (
             "a.bmp",
             b"BM",
-            "a.bmp: no image format .bmp; there are .exr, .hdr, .pfm, .png, .jpg, .webp",
+            "a.bmp: no image format .bmp; there are .exr, .hdr, .pfm, .png, .jpg, .webp, .tga",
         ),
         (
             "sky",
             b"",
-            "sky: no extension, so no image format; there are .exr, .hdr, .pfm, .png, .jpg, .webp",
+            "sky: no extension, so no image format; there are .exr, .hdr, .pfm, .png, .jpg, .webp, .tga",
         ),
         ("a.hdr", b"", "a.hdr: the header has no end"),
         ("a.hdr", b"hello\n", "a.hdr: this is not a Radiance file: it does not begin with \"#?\""),

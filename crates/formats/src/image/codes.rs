@@ -74,6 +74,22 @@ fn every<T>(samples: &[T], first: usize, step: usize) -> impl Iterator<Item = &T
     samples.iter().skip(first).step_by(step)
 }
 
+/// A bitmap of light as a picture whose [`bitmap_of`] it is; `None` for one of codes.
+pub(super) fn image_of(bitmap: &Bitmap) -> Option<Image> {
+    let Texels::Float(values) = bitmap.texels() else { return None };
+    let names: &[&str] = match bitmap.channels() {
+        1 => &["Y"],
+        2 => &["Y", "A"],
+        3 => &["R", "G", "B"],
+        _ => &["R", "G", "B", "A"],
+    };
+    let channels = names.iter().enumerate().map(|(i, name)| {
+        let values = every(values, i, bitmap.channels()).copied().collect();
+        Channel { name: (*name).to_owned(), values }
+    });
+    Image::new(bitmap.width(), bitmap.height(), channels.collect())
+}
+
 /// A picture of light as a texture: its colour, and its opacity where it has a channel `A`. `None`
 /// where it has no colour.
 pub(super) fn bitmap_of(image: &Image) -> Option<Bitmap> {

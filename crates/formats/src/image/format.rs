@@ -5,7 +5,10 @@ use crate::file;
 use std::path::Path;
 
 /// One extension of each format, for people.
-const KNOWN: [&str; 6] = ["exr", "hdr", "pfm", "png", "jpg", "webp"];
+const KNOWN: [&str; 7] = ["exr", "hdr", "pfm", "png", "jpg", "webp", "tga"];
+
+/// Those that are read, and not written.
+const ONLY_READ: [&str; 2] = ["webp", "tga"];
 
 /// An image format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +25,8 @@ pub enum Format {
     Jpeg,
     /// WebP, which is only read.
     WebP,
+    /// Truevision TGA, which is only read. Nothing at the beginning of a file shows it.
+    Tga,
 }
 
 impl Format {
@@ -37,6 +42,7 @@ impl Format {
             "png" => Self::Png,
             "jpg" | "jpeg" => Self::Jpeg,
             "webp" => Self::WebP,
+            "tga" => Self::Tga,
             _ => {
                 let what = file::unknown_format("image", path, KNOWN);
                 return Err(ImageError::new(path, what));
@@ -47,12 +53,12 @@ impl Format {
     /// The same for a file that is to be written.
     pub(super) fn to_write(path: &Path) -> Result<Self, ImageError> {
         let format = Self::from_path(path);
-        if matches!(format, Ok(Self::WebP)) {
-            let what = ".webp is read, but not written: write .png";
+        if let Ok(format @ (Self::WebP | Self::Tga)) = format {
+            let what = format!(".{} is read, but not written: write .png", format.extension());
             return Err(ImageError::new(path, what));
         }
         format.map_err(|_| {
-            let written = KNOWN.into_iter().filter(|name| *name != "webp");
+            let written = KNOWN.into_iter().filter(|name| !ONLY_READ.contains(name));
             ImageError::new(path, file::unknown_format("image", path, written))
         })
     }
@@ -66,6 +72,7 @@ impl Format {
             Self::Png => "png",
             Self::Jpeg => "jpg",
             Self::WebP => "webp",
+            Self::Tga => "tga",
         }
     }
 
@@ -74,7 +81,7 @@ impl Format {
     pub fn is_for_display(self) -> bool {
         match self {
             Self::Exr | Self::Hdr | Self::Pfm => false,
-            Self::Png | Self::Jpeg | Self::WebP => true,
+            Self::Png | Self::Jpeg | Self::WebP | Self::Tga => true,
         }
     }
 

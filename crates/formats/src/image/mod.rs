@@ -8,6 +8,7 @@
 //! | `.png`          | 1 to 16 bits, grey to RGBA    | RGB of 8 or 16 bits                 |
 //! | `.jpg`, `.jpeg` | grey, YCbCr, CMYK             | quality 92                          |
 //! | `.webp`         | with and without loss, RGB and RGBA | no                            |
+//! | `.tga`          | 8 bits, grey, RGB and RGBA, with palettes and runs | no             |
 //!
 //! The first three hold light; what is read from the others is decoded from
 //! sRGB to light, or kept as it is for textures ([`read_bitmap`]). Values are kept as they are, NaN, infinite and negative ones
@@ -23,6 +24,7 @@ mod jpeg;
 mod options;
 mod pfm;
 mod png;
+mod tga;
 mod webp;
 
 pub use format::Format;
@@ -102,6 +104,7 @@ fn decoded<T>(
         Format::Png => png::read(bytes, limits).and_then(coded),
         Format::Jpeg => jpeg::read(bytes, limits).and_then(coded),
         Format::WebP => webp::read(bytes, limits).and_then(coded),
+        Format::Tga => tga::read(bytes, limits).and_then(coded),
     })
     .map_err(|what| {
         // Decoders below may say it in several lines.
@@ -156,7 +159,7 @@ pub fn write<'a>(
         (Format::Jpeg, Pixels::Display16 { .. }) => {
             Err(format!(".{extension} holds 8 bits a colour, but these pixels have 16: write .png"))
         }
-        (Format::WebP, _) => Err(".webp is not written".to_owned()),
+        (Format::WebP | Format::Tga, _) => Err(format!(".{extension} is not written")),
         (Format::Png | Format::Jpeg, Pixels::Light(_)) => Err(format!(
             ".{extension} holds colours for a display, but these pixels are light: encode them \
              first, or write .exr"
@@ -188,6 +191,19 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     Ok(())
 }
 
+/// The bytes of a file that holds an image of light.
+pub(crate) fn to_exr(image: &Image) -> Result<Vec<u8>, String> {
+    guarded(|| exr::write(image, &WriteOptions::default()))
+}
+
+/// The bytes of a file that holds a bitmap, value by value: PNG for codes, EXR for light.
+pub(crate) fn encoded(bitmap: &Bitmap) -> Result<Vec<u8>, String> {
+    match codes::image_of(bitmap) {
+        Some(image) => to_exr(&image),
+        None => guarded(|| png::of_bitmap(bitmap)),
+    }
+}
+
 /// Whether a picture of this size has room in the format of `path`.
 ///
 /// # Errors
@@ -195,7 +211,9 @@ pub fn check_writable(path: &Path) -> Result<(), ImageError> {
 pub fn check_size(path: &Path, width: u32, height: u32) -> Result<(), ImageError> {
     match Format::to_write(path)? {
         Format::Jpeg => jpeg::check_size(width, height).map_err(|what| ImageError::new(path, what)),
-        Format::Exr | Format::Hdr | Format::Pfm | Format::Png | Format::WebP => Ok(()),
+        Format::Exr | Format::Hdr | Format::Pfm | Format::Png | Format::WebP | Format::Tga => {
+            Ok(())
+        }
     }
 }
 

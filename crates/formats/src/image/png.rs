@@ -11,6 +11,7 @@ use super::codes::{Codes, Samples};
 use crate::limits::Limits;
 use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder};
+use rutilant::texture::{Bitmap, Texels};
 use std::io::Cursor;
 
 /// Deflate makes at most 1032 bytes of one; a bit per pixel becomes a byte.
@@ -85,6 +86,25 @@ pub(super) fn write_16(width: u32, height: u32, rgb16: &[u16]) -> Result<Vec<u8>
     // The encoder wants the machine's byte order, and writes the file's.
     let bytes: Vec<u8> = rgb16.iter().flat_map(|word| word.to_ne_bytes()).collect();
     encode(width, height, &bytes, ExtendedColorType::Rgb16)
+}
+
+/// All values of a bitmap of codes, opacity among them.
+pub(super) fn of_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>, String> {
+    let words: Vec<u8>;
+    let (samples, colors): (&[u8], _) = match bitmap.texels() {
+        Texels::Eight(codes) => {
+            use ExtendedColorType::{L8, La8, Rgb8, Rgba8};
+            (codes, [L8, La8, Rgb8, Rgba8])
+        }
+        Texels::Sixteen(codes) => {
+            use ExtendedColorType::{L16, La16, Rgb16, Rgba16};
+            words = codes.iter().flat_map(|word| word.to_ne_bytes()).collect();
+            (&words, [L16, La16, Rgb16, Rgba16])
+        }
+        Texels::Float(_) => return Err("a PNG file holds no light".to_owned()),
+    };
+    let color = *colors.get(bitmap.channels().wrapping_sub(1)).ok_or("no such channels")?;
+    encode(bitmap.width(), bitmap.height(), samples, color)
 }
 
 fn encode(

@@ -12,7 +12,7 @@ use rutilant::texture::{Bitmap, Texture};
 use rutilant::{Prepared, Session};
 use rutilant_formats::scene::gltf::{self, Moment};
 use rutilant_formats::scene::{mtl, obj, ply};
-use rutilant_formats::{Limits, ReadOptions, image, parse_native};
+use rutilant_formats::{Limits, ReadOptions, image, parse_native, parse_pbrt};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,6 +35,7 @@ pub(crate) const READERS: &[Reader] = &[
     Reader { name: "mtl", check: mtl, words: MTL_WORDS },
     Reader { name: "ply", check: ply, words: PLY_WORDS },
     Reader { name: "gltf", check: gltf, words: GLTF_WORDS },
+    Reader { name: "pbrt", check: pbrt, words: PBRT_WORDS },
     Reader { name: "exr", check: |bytes| image(bytes, "a.exr"), words: &[] },
     Reader { name: "hdr", check: |bytes| image(bytes, "a.hdr"), words: &[] },
     Reader { name: "pfm", check: |bytes| image(bytes, "a.pfm"), words: &[] },
@@ -48,6 +49,7 @@ pub(crate) const READERS: &[Reader] = &[
         check: |bytes| image(bytes, "a.jpg"),
         words: &[b"\xff\xda", b"\xff\xd9"],
     },
+    Reader { name: "tga", check: |bytes| image(bytes, "a.tga"), words: &[] },
     Reader { name: "scene_render", check: scene_render, words: NATIVE_WORDS },
 ];
 
@@ -183,6 +185,37 @@ const GLTF_WORDS: &[&[u8]] = &[
     b"BIN\0",
 ];
 
+const PBRT_WORDS: &[&[u8]] = &[
+    b"[",
+    b"]",
+    b"\"",
+    b"AttributeBegin\n",
+    b"AttributeEnd\n",
+    b"ObjectBegin \"thing\"\n",
+    b"ObjectEnd\n",
+    b"ObjectInstance \"thing\"\n",
+    b"Include \"scene.pbrt\"\n",
+    b"ReverseOrientation\n",
+    b"WorldBegin\n",
+    b"WorldEnd\n",
+    b"Scale 0 1 1\n",
+    b"Scale 1e30 1e30 1e30\n",
+    b"Identity\n",
+    b"Material \"mix\"",
+    b"\"texture reflectance\" \"dark\"",
+    b"\"spectrum L\" ",
+    b"\"blackbody L\" 1e-30",
+    b"\"string materials\" [ \"both\" \"cut\" ]",
+    b"\"float alpha\" ",
+    b"\"integer indices\" [ 0 1 2 ]",
+    b"\"float scale\" -1",
+    b"1e38",
+    b"-1e38",
+    b"1e-45",
+    b"2147483647",
+    b"true",
+];
+
 /// An error of one line that is no page: nothing was read.
 fn refused(error: &dyn std::error::Error) -> bool {
     let text = error.to_string();
@@ -305,6 +338,19 @@ fn gltf(bytes: &[u8]) -> bool {
         }
     }
     true
+}
+
+fn pbrt(bytes: &[u8]) -> bool {
+    match parse_pbrt(bytes.to_owned(), Path::new("nowhere/scene.pbrt"), &options()) {
+        Ok(loaded) => {
+            checked_notes(&loaded.notes);
+            loaded.scene.meshes.iter().for_each(checked_mesh);
+            loaded.scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            loaded.settings.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            true
+        }
+        Err(error) => refused(&error),
+    }
 }
 
 fn image(bytes: &[u8], name: &str) -> bool {

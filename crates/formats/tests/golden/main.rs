@@ -6,7 +6,7 @@
 //! with the reader. `RUTILANT_BLESS=1 cargo test -p rutilant-formats --test golden` writes them anew.
 //!
 //! The files of the repository are always read; those of other people are where `RUTILANT_DATA`
-//! names a folder that has `gltf` and `obj-mtl`.
+//! names a folder that has `gltf`, `obj-mtl` and `pbrt`.
 
 #[path = "../gltf/builder.rs"]
 #[allow(dead_code, reason = "each test file uses its part")]
@@ -127,7 +127,7 @@ fn files(folder: &Path) -> Vec<(String, PathBuf)> {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
             if path.is_dir() {
                 folders.push(path);
-            } else if ["gltf", "glb", "obj", "ply", "toml"].contains(&&*extension) {
+            } else if ["gltf", "glb", "obj", "ply", "toml", "pbrt"].contains(&&*extension) {
                 let name = path.strip_prefix(folder).expect("within").to_string_lossy();
                 found.push((name.replace('\\', "/"), path));
             }
@@ -229,7 +229,11 @@ fn own_files_are_what_they_were() {
     fs::write(at("room.obj"), OBJ).expect("written");
     fs::write(at("room.mtl"), MTL).expect("written");
     fs::write(at("squares.png"), everything::png(7)).expect("written");
+    fs::write(at("sky.hdr"), SKY).expect("written");
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus");
+    for name in ["everything.pbrt", "older.pbrt"] {
+        fs::copy(corpus.join("pbrt").join(name), at(name)).expect("copied");
+    }
     let mut all = files(&corpus);
     // Those that are broken on purpose say little.
     all.retain(|(name, _)| {
@@ -241,15 +245,21 @@ fn own_files_are_what_they_were() {
     compare(&all, "own.txt");
 }
 
+/// A sky of two pixels.
+const SKY: &[u8] = b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x20\x40\x60\x84";
+
 /// Other people's files.
 #[test]
 fn other_files_are_what_they_were() {
-    for kind in ["gltf", "obj-mtl"] {
+    for kind in ["gltf", "obj-mtl", "pbrt"] {
         let data = std::env::var_os("RUTILANT_DATA").map(|data| Path::new(&data).join(kind));
         let Some(folder) = data.filter(|folder| folder.is_dir()) else {
             eprintln!("skipped: RUTILANT_DATA names no folder with {kind}");
             continue;
         };
-        compare(&files(&folder), &format!("{kind}.txt"));
+        let mut files = files(&folder);
+        // The meshes of scenes are in the scenes.
+        files.retain(|(name, _)| kind != "pbrt" || name.ends_with(".pbrt"));
+        compare(&files, &format!("{kind}.txt"));
     }
 }

@@ -1,0 +1,406 @@
+//! Shapes: meshes as they are, round ones whole or cut up into triangles.
+//!
+//! In pbrt a triangle's front is where its vertices run counter-clockwise, but where a mesh has
+//! normals, these tell: such triangles are turned round here. `ReverseOrientation` turns both.
+
+use super::description::Form;
+use super::gzip;
+use super::lexer::{Place, Texts};
+use super::parameters::Parameters;
+use super::parser::Parser;
+use crate::error::{SceneError, SceneErrorKind};
+use crate::file;
+use crate::limits::Limits;
+use crate::scene::nearest::nearest;
+use crate::scene::ply;
+use crate::shown::shown;
+use rayon::prelude::*;
+use rutilant::shape::Mesh;
+use rutilant_geom::{Vec2, Vec3, real};
+use std::collections::HashMap;
+use std::f32::consts::PI;
+use std::path::PathBuf;
+
+/// Kinds that are read.
+const KINDS: [&str; 7] =
+    ["bilinearmesh", "cylinder", "disk", "plymesh", "quad", "sphere", "trianglemesh"];
+
+/// Kinds that are known, and not read.
+const REFUSED: [(&str, &str); 8] = [
+    ("loopsubdiv", "subdivide it, and give the triangles as a trianglemesh or a PLY file"),
+    ("curve", "give its surface as a trianglemesh or a PLY file"),
+    ("nurbs", "give its surface as a trianglemesh or a PLY file"),
+    ("heightfield", "give its surface as a trianglemesh or a PLY file"),
+    ("heightfield2", "give its surface as a trianglemesh or a PLY file"),
+    ("cone", "give its surface as a trianglemesh or a PLY file"),
+    ("paraboloid", "give its surface as a trianglemesh or a PLY file"),
+    ("hyperboloid", "give its surface as a trianglemesh or a PLY file"),
+];
+
+/// The PLY files of a scene, each once.
+#[derive(Default)]
+pub(super) struct PlyFiles {
+    list: Vec<PlyFile>,
+    known: HashMap<PathBuf, usize>,
+}
+
+struct PlyFile {
+    path: PathBuf,
+    /// The same for every name of the file.
+    identity: PathBuf,
+    /// Its content, where no disk is needed.
+    embedded: Option<Vec<u8>>,
+    place: Place,
+}
+
+/// A mesh that was read from a file.
+pub(super) struct Read {
+    /// With its fronts where pbrt has them.
+    pub(super) mesh: Mesh,
+    /// Whether that is how the file has it.
+    pub(super) as_it_is: bool,
+    pub(super) notes: Vec<String>,
+}
+
+impl PlyFiles {
+    /// The files on the disk.
+    pub(super) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.list.iter().filter(|ply| ply.embedded.is_none()).map(|ply| ply.identity.clone())
+    }
+
+    /// The file that a mesh comes from, where it is one on the disk that holds the mesh as it is.
+    pub(super) fn file(&self, number: usize) -> Option<PathBuf> {
+        let ply = &self.list[number];
+        let plain = ply.embedded.is_none() && file::extension(&ply.path) == "ply";
+        plain.then(|| ply.identity.clone())
+    }
+
+    /// Reads all of them, as many at once as there are threads.
+    pub(super) fn read(&self, limits: &Limits, texts: &Texts) -> Result<Vec<Read>, SceneError> {
+        let (mut vertices, mut triangles) = (0_u64, 0_u64);
+        let mut all = Vec::with_capacity(self.list.len());
+        for some in self.list.chunks(4 * rayon::current_num_threads()) {
+            let read: Vec<_> = some.par_iter().map(|ply| ply.read(limits)).collect();
+            for (read, ply) in read.into_iter().zip(some) {
+                let read = read?;
+                vertices += read.mesh.positions.len() as u64;
+                triangles += read.mesh.triangles.len() as u64;
+                for (what, asked, allowed) in [
+                    ("vertices", vertices, limits.vertices),
+                    ("triangles", triangles, limits.triangles),
+                ] {
+                    if asked > allowed {
+                        let kind = SceneErrorKind::Limit { what, asked, allowed };
+                        return Err(texts.error(ply.place, kind));
+                    }
+                }
+                all.push(read);
+            }
+        }
+        Ok(all)
+    }
+}
+
+impl PlyFile {
+    fn read(&self, limits: &Limits) -> Result<Read, SceneError> {
+        let bytes = match &self.embedded {
+            Some(bytes) => bytes.clone(),
+            None => file::scene_bytes(&self.path, limits)?,
+        };
+        let bytes = gzip::unpacked(bytes, &self.path, limits)?;
+        let (mesh, notes) = ply::read_bytes(&bytes, &self.path, limits)?;
+        let (mesh, as_it_is) = oriented(mesh, false);
+        Ok(Read { mesh, as_it_is, notes })
+    }
+}
+
+/// The shape of a statement, and in how many parts pbrt takes it. `None` where there is nothing to
+/// be seen of it.
+pub(super) fn read(
+    kind: &str,
+    parameters: &Parameters,
+    parser: &mut Parser<'_>,
+) -> Result<Option<(Form, usize)>, SceneError> {
+    let texts = &parser.texts;
+    let place = parameters.place;
+    let form = match kind {
+        "trianglemesh" => triangles(parameters, texts)?,
+        "bilinearmesh" => patches(parameters, texts)?,
+        "plymesh" => {
+            let name = parameters.text("filename", texts)?.unwrap_or_default().to_owned();
+            parameters.ignore(&["edgelength"]);
+            let number = wanted(&name, place, parser)?;
+            return Ok(Some((Form::File(number), 1)));
+        }
+        "sphere" => {
+            let radius = positive("radius", 1.0, parameters, texts)?;
+            let low = parameters.number_or("zmin", -radius, texts)?.clamp(-radius, radius);
+            let high = parameters.number_or("zmax", radius, texts)?.clamp(-radius, radius);
+            let (low, high) = (low.min(high), low.max(high));
+            let turn = turn(parameters, texts)?;
+            if low <= -radius && high >= radius && turn >= 360.0 {
+                Form::Sphere { radius }
+            } else {
+                let [south, north] = [low, high].map(|z| real::asin(z / radius));
+                Form::Mesh(sphere(radius, [south, north], turn))
+            }
+        }
+        "disk" => {
+            let radius = positive("radius", 1.0, parameters, texts)?;
+            let inner = parameters.number_or("innerradius", 0.0, texts)?.clamp(0.0, radius);
+            let height = parameters.number_or("height", 0.0, texts)?;
+            let turn = turn(parameters, texts)?;
+            if inner == 0.0 && turn >= 360.0 {
+                Form::Disk { radius, height }
+            } else {
+                Form::Mesh(ring(radius, inner, height, turn))
+            }
+        }
+        "cylinder" => {
+            let radius = positive("radius", 1.0, parameters, texts)?;
+            let low = parameters.number_or("zmin", -1.0, texts)?;
+            let high = parameters.number_or("zmax", 1.0, texts)?;
+            Form::Mesh(cylinder(radius, [low.min(high), low.max(high)], turn(parameters, texts)?))
+        }
+        other => {
+            return Err(match REFUSED.iter().find(|(name, _)| *name == other) {
+                Some((_, hint)) => texts
+                    .unsupported(place, format!("shapes of type \"{other}\" are not read: {hint}")),
+                None => texts.error(
+                    place,
+                    SceneErrorKind::Unknown {
+                        what: "type of shapes",
+                        name: shown(other),
+                        closest: nearest(other, KINDS).map(str::to_owned),
+                    },
+                ),
+            });
+        }
+    };
+    let parts = match &form {
+        Form::Mesh(mesh) => {
+            for (what, asked, left, allowed) in [
+                (
+                    "vertices",
+                    mesh.positions.len(),
+                    &mut parser.vertices_left,
+                    parser.limits.vertices,
+                ),
+                (
+                    "triangles",
+                    mesh.triangles.len(),
+                    &mut parser.triangles_left,
+                    parser.limits.triangles,
+                ),
+            ] {
+                *left = left.checked_sub(asked as u64).ok_or_else(|| {
+                    let asked = (allowed - *left).saturating_add(asked as u64);
+                    parser.texts.error(place, SceneErrorKind::Limit { what, asked, allowed })
+                })?;
+            }
+            match kind {
+                "trianglemesh" => mesh.triangles.len(),
+                "bilinearmesh" => mesh.triangles.len() / 2,
+                _ => 1,
+            }
+        }
+        Form::File(_) | Form::Sphere { .. } | Form::Disk { .. } => 1,
+    };
+    Ok(Some((form, parts)))
+}
+
+/// The number of a PLY file that is to be read.
+fn wanted(name: &str, place: Place, parser: &mut Parser<'_>) -> Result<usize, SceneError> {
+    let ply = match parser.files.embedded(name) {
+        Some(bytes) => PlyFile {
+            path: parser.files.path(name),
+            identity: PathBuf::from(name),
+            embedded: Some(bytes.to_owned()),
+            place,
+        },
+        None => {
+            let found = parser.files.find(name);
+            let found = found.map_err(|what| parser.texts.invalid(place, what))?;
+            PlyFile { path: found.path, identity: found.identity, embedded: None, place }
+        }
+    };
+    let plies = &mut parser.ply;
+    let next = plies.list.len();
+    let number = *plies.known.entry(ply.identity.clone()).or_insert(next);
+    if number == next {
+        plies.list.push(ply);
+    }
+    Ok(number)
+}
+
+fn positive(
+    name: &str,
+    default: f32,
+    parameters: &Parameters,
+    texts: &Texts,
+) -> Result<f32, SceneError> {
+    let value = parameters.number_or(name, default, texts)?;
+    if value > 0.0 {
+        return Ok(value);
+    }
+    Err(texts.invalid(parameters.place, format!("{name} is {value}, but must be more than 0")))
+}
+
+/// How much of the full turn there is, in degrees.
+fn turn(parameters: &Parameters, texts: &Texts) -> Result<f32, SceneError> {
+    Ok(parameters.number_or("phimax", 360.0, texts)?.clamp(0.0, 360.0))
+}
+
+fn points(numbers: &[f32]) -> Vec<Vec3> {
+    numbers.chunks_exact(3).map(Vec3::from_slice).collect()
+}
+
+/// The vertices of a mesh: positions, and normals and texture coordinates where there are some.
+fn vertices(parameters: &Parameters, texts: &Texts) -> Result<Mesh, SceneError> {
+    let positions = parameters.numbers("P", texts)?.map(points).unwrap_or_default();
+    let normals = parameters.numbers("N", texts)?.map(points).unwrap_or_default();
+    let uvs = parameters.numbers("uv", texts)?;
+    let older = parameters.numbers("st", texts)?;
+    let uvs: Vec<Vec2> =
+        uvs.or(older).unwrap_or_default().chunks_exact(2).map(Vec2::from_slice).collect();
+    // Tangents, and numbers for the faces of Ptex: nothing here needs them.
+    parameters.ignore(&["S", "faceIndices"]);
+    let count = positions.len();
+    for (name, length) in [("N", normals.len()), ("uv", uvs.len())] {
+        if length != 0 && length != count {
+            let what =
+                format!("{length} of \"{name}\" for {count} of \"P\": give one each, or none");
+            return Err(texts.invalid(parameters.place, what));
+        }
+    }
+    Ok(Mesh { positions, normals, uvs, ..Mesh::default() })
+}
+
+/// The numbers of vertices, `N` to a part.
+fn corners<const N: usize>(
+    parameters: &Parameters,
+    count: usize,
+    texts: &Texts,
+) -> Result<Vec<[u32; N]>, SceneError> {
+    let Some(indices) = parameters.wholes("indices", texts)? else {
+        if count == N {
+            return Ok(vec![std::array::from_fn(|i| i as u32)]);
+        }
+        let what = format!("there are no \"indices\", and {count} vertices are not {N}");
+        return Err(texts.invalid(parameters.place, what));
+    };
+    if let Some(wrong) = indices.iter().find(|&&i| i < 0 || i as usize >= count) {
+        let what =
+            format!("\"indices\" has {wrong}, but there are only {count} vertices, from 0 on");
+        return Err(texts.invalid(parameters.place, what));
+    }
+    let (parts, rest) = indices.as_chunks::<N>();
+    if !rest.is_empty() {
+        let what = format!("{} \"indices\" are not {N} for each part", indices.len());
+        return Err(texts.invalid(parameters.place, what));
+    }
+    Ok(parts.iter().map(|part| part.map(|i| i as u32)).collect())
+}
+
+fn triangles(parameters: &Parameters, texts: &Texts) -> Result<Form, SceneError> {
+    let mut mesh = vertices(parameters, texts)?;
+    mesh.triangles = corners::<3>(parameters, mesh.positions.len(), texts)?;
+    Ok(Form::Mesh(mesh))
+}
+
+/// Bilinear patches as two triangles each. Their corners stand in rows: (0, 0), (1, 0), (0, 1), (1, 1).
+fn patches(parameters: &Parameters, texts: &Texts) -> Result<Form, SceneError> {
+    let shared = vertices(parameters, texts)?;
+    let patches = corners::<4>(parameters, shared.positions.len(), texts)?;
+    parameters.ignore(&["emissionfilename"]);
+    let mut mesh = Mesh::default();
+    for patch in patches {
+        let first = mesh.positions.len() as u32;
+        let corner = [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE];
+        for (i, uv) in patch.map(|i| i as usize).into_iter().zip(corner) {
+            mesh.positions.push(shared.positions[i]);
+            mesh.uvs.push(shared.uvs.get(i).copied().unwrap_or(uv));
+            mesh.normals.extend(shared.normals.get(i));
+        }
+        mesh.triangles.extend([[first, first + 1, first + 3], [first, first + 3, first + 2]]);
+    }
+    Ok(Form::Mesh(mesh))
+}
+
+/// A mesh whose triangles have their fronts where pbrt has them, and whether that is how they were.
+pub(super) fn oriented(mut mesh: Mesh, reversed: bool) -> (Mesh, bool) {
+    let mut as_it_is = !reversed;
+    if !mesh.normals.is_empty() {
+        for [a, b, c] in &mut mesh.triangles {
+            let [p, q, r] = [*a, *b, *c].map(|i| mesh.positions[i as usize].as_dvec3());
+            let front = (q - p).cross(r - p);
+            let normal = [*a, *b, *c].map(|i| mesh.normals[i as usize].as_dvec3());
+            if front.dot(normal[0] + normal[1] + normal[2]) < 0.0 {
+                std::mem::swap(b, c);
+                as_it_is = false;
+            }
+        }
+    }
+    if reversed {
+        mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+        mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    }
+    (mesh, as_it_is)
+}
+
+/// Steps of a full turn, where round things become triangles.
+const STEPS: u32 = 96;
+
+/// A grid of vertices, `point` of which gives position and normal for (u, v) in 0..1; fronts are
+/// where the normals point.
+fn grid([along, up]: [u32; 2], point: impl Fn(f32, f32) -> (Vec3, Vec3)) -> Mesh {
+    let mut mesh = Mesh::default();
+    for row in 0..=up {
+        for column in 0..=along {
+            let (u, v) = (column as f32 / along as f32, row as f32 / up as f32);
+            let (position, normal) = point(u, v);
+            mesh.positions.push(position);
+            mesh.normals.push(normal);
+            mesh.uvs.push(Vec2::new(u, v));
+        }
+    }
+    for row in 0..up {
+        for column in 0..along {
+            let at = row * (along + 1) + column;
+            let [a, b, c, d] = [at, at + 1, at + along + 2, at + along + 1];
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    oriented(mesh, false).0
+}
+
+fn steps(turn: f32) -> u32 {
+    ((turn / 360.0 * STEPS as f32).ceil() as u32).max(1)
+}
+
+/// A part of a sphere between two latitudes, in radians, and over so many degrees from +x.
+pub(super) fn sphere(radius: f32, [south, north]: [f32; 2], turn: f32) -> Mesh {
+    let rows = (((north - south) / PI * 0.5 * STEPS as f32).ceil() as u32).max(1);
+    grid([steps(turn), rows], |u, v| {
+        let (s, c) = real::sin_cos_degrees(u * turn);
+        let (up, away) = real::sin_cos(south + (north - south) * v);
+        let normal = Vec3::new(away * c, away * s, up);
+        (normal * radius, normal)
+    })
+}
+
+fn ring(radius: f32, inner: f32, height: f32, turn: f32) -> Mesh {
+    grid([steps(turn), 1], |u, v| {
+        let (s, c) = real::sin_cos_degrees(u * turn);
+        let away = radius + (inner - radius) * v;
+        (Vec3::new(away * c, away * s, height), Vec3::Z)
+    })
+}
+
+fn cylinder(radius: f32, [low, high]: [f32; 2], turn: f32) -> Mesh {
+    grid([steps(turn), 1], |u, v| {
+        let (s, c) = real::sin_cos_degrees(u * turn);
+        let normal = Vec3::new(c, s, 0.0);
+        (normal * radius + Vec3::Z * (low + (high - low) * v), normal)
+    })
+}
