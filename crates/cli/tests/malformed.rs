@@ -308,8 +308,12 @@ fn every_mistake_is_one_line_and_status_2() {
         ("a.obj", b"hello\n", r#":1:1: "hello" begins no OBJ statement"#),
         ("a.obj", b"f 1 2 3\nv 0 0 0\n", ":1:3: face names vertex 1, but none is declared so far"),
         ("a.ply", b"ply\nformat ascii 1.0\n", r#":3:1: the header has no "end_header""#),
-        ("a.xyz", b"", ": no scene format .xyz; there are .toml, .gltf, .glb, .obj, .ply"),
-        ("a", b"", ": no extension, so no scene format; there are .toml, .gltf, .glb, .obj, .ply"),
+        ("a.xyz", b"", ": no scene format .xyz; there are .toml, .gltf, .glb, .pbrt, .obj, .ply"),
+        (
+            "a",
+            b"",
+            ": no extension, so no scene format; there are .toml, .gltf, .glb, .pbrt, .obj, .ply",
+        ),
     ] {
         cases.push((name, bytes.to_vec(), said));
     }

@@ -44,11 +44,11 @@ const SCENES: &[(&str, SceneReader)] = &[
     ("toml", |path, options| scene::native::read(path, options)?.without_variants(path, options)),
     ("gltf", scene::gltf::scene::read),
     ("glb", scene::gltf::scene::read),
-    ("obj", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
-    ("ply", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
     ("pbrt", |path, options| {
         scene::pbrt::scene::read(path, options)?.without_variants(path, options)
     }),
+    ("obj", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
+    ("ply", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
 ];
 
 /// Reads the scene in a file of any kind that is known by its extension.

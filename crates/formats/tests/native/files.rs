@@ -210,10 +210,13 @@ fn scene_files_are_checked() {
     for (name, expected) in [
         ("folder.toml", "folder.toml: this is a folder, not a file"),
         ("binary.toml", "binary.toml:2:5: the text is not UTF-8 here; save the file as UTF-8"),
-        ("scene.xyz", "scene.xyz: no scene format .xyz; there are .toml, .gltf, .glb, .obj, .ply"),
+        (
+            "scene.xyz",
+            "scene.xyz: no scene format .xyz; there are .toml, .gltf, .glb, .pbrt, .obj, .ply",
+        ),
         (
             "scene",
-            "scene: no extension, so no scene format; there are .toml, .gltf, .glb, .obj, .ply",
+            "scene: no extension, so no scene format; there are .toml, .gltf, .glb, .pbrt, .obj, .ply",
         ),
     ] {
         let error = said(name).to_string();
