@@ -46,6 +46,7 @@ const SCENES: &[(&str, SceneReader)] = &[
     ("glb", scene::gltf::scene::read),
     ("obj", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
     ("ply", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
+    ("stl", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
 ];
 
 /// Reads the scene in a file of any kind that is known by its extension.

@@ -14,4 +14,5 @@ pub(crate) mod origins;
 pub(crate) mod pictures;
 pub mod ply;
 mod polygon;
+pub mod stl;
 mod text;
