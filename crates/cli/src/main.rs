@@ -81,7 +81,7 @@ Examples:
   rutilant compare a.exr reference.exr      how far is it from the truth?
   rutilant convert model.glb model.toml     as a scene in text, to go on with
 
-Scenes: .toml (docs/scene-format.md), .gltf, .glb (docs/gltf.md), .obj, .ply. Images: .exr, .hdr, .pfm, .png, .jpg; .webp is only read.
+Scenes: .toml (docs/scene-format.md), .gltf, .glb (docs/gltf.md), .xml (Mitsuba; docs/mitsuba.md), .obj, .ply, .stl. Images: .exr, .hdr, .pfm, .png, .jpg; .webp is only read.
 Exit status: 0 done, 1 failed, 2 bad usage or bad scene, 130 interrupted.";
 
 fn main() -> ExitCode {

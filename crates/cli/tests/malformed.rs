@@ -113,7 +113,7 @@ const AFTER_HEAD: &[(&str, &str)] = &[
     ),
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"a.stl\"\nmaterial = \"grey\"",
-        ":10:8: no mesh format .stl; there are .obj, .ply, .gltf, .glb",
+        ":10:8: no mesh format .stl; there are .obj, .ply, .stl, .gltf, .glb",
     ),
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"folder.obj\"\nmaterial = \"grey\"",
@@ -308,8 +308,16 @@ fn every_mistake_is_one_line_and_status_2() {
         ("a.obj", b"hello\n", r#":1:1: "hello" begins no OBJ statement"#),
         ("a.obj", b"f 1 2 3\nv 0 0 0\n", ":1:3: face names vertex 1, but none is declared so far"),
         ("a.ply", b"ply\nformat ascii 1.0\n", r#":3:1: the header has no "end_header""#),
-        ("a.xyz", b"", ": no scene format .xyz; there are .toml, .gltf, .glb, .obj, .ply"),
-        ("a", b"", ": no extension, so no scene format; there are .toml, .gltf, .glb, .obj, .ply"),
+        (
+            "a.xyz",
+            b"",
+            ": no scene format .xyz; there are .toml, .gltf, .glb, .xml, .obj, .ply, .stl",
+        ),
+        (
+            "a",
+            b"",
+            ": no extension, so no scene format; there are .toml, .gltf, .glb, .xml, .obj, .ply, .stl",
+        ),
     ] {
         cases.push((name, bytes.to_vec(), said));
     }

@@ -35,7 +35,10 @@ fn paths_stay_in_the_folder() {
     let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
     for file in ["../secret.txt", "deep/../../secret.txt", &*absolute] {
         let said = said(&folder, file, &allowed);
-        assert!(said.ends_with("no mesh format .txt; there are .obj, .ply, .gltf, .glb"), "{said}");
+        assert!(
+            said.ends_with("no mesh format .txt; there are .obj, .ply, .stl, .gltf, .glb"),
+            "{said}"
+        );
     }
 }
 
@@ -127,7 +130,7 @@ mod unix {
         for file in ["in.txt", "up/inside/mesh.txt"] {
             let said = said(&folder, file, &ReadOptions::default());
             assert!(
-                said.ends_with("no mesh format .txt; there are .obj, .ply, .gltf, .glb"),
+                said.ends_with("no mesh format .txt; there are .obj, .ply, .stl, .gltf, .glb"),
                 "{said}"
             );
         }
@@ -210,10 +213,13 @@ fn scene_files_are_checked() {
     for (name, expected) in [
         ("folder.toml", "folder.toml: this is a folder, not a file"),
         ("binary.toml", "binary.toml:2:5: the text is not UTF-8 here; save the file as UTF-8"),
-        ("scene.xyz", "scene.xyz: no scene format .xyz; there are .toml, .gltf, .glb, .obj, .ply"),
+        (
+            "scene.xyz",
+            "scene.xyz: no scene format .xyz; there are .toml, .gltf, .glb, .xml, .obj, .ply, .stl",
+        ),
         (
             "scene",
-            "scene: no extension, so no scene format; there are .toml, .gltf, .glb, .obj, .ply",
+            "scene: no extension, so no scene format; there are .toml, .gltf, .glb, .xml, .obj, .ply, .stl",
         ),
     ] {
         let error = said(name).to_string();

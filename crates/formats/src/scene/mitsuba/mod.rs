@@ -1,0 +1,40 @@
+//! Mitsuba's scenes: XML of Mitsuba 3, and the common part of that of 0.6 (docs/mitsuba.md).
+//!
+//! A text becomes elements with places (`xml`), these become objects with properties (`document`),
+//! and they a scene (`scene`, with a file for each class of objects). Of what is not shown a note
+//! tells, each kind once.
+//!
+//! Source: Jakob, Speierer, Roussel, Vicini, *Mitsuba 3 documentation*, 2022; Jakob, *Mitsuba
+//! documentation*, version 0.6, 2014.
+
+mod bsdf;
+mod document;
+mod emitter;
+mod matrix;
+mod parameters;
+pub(crate) mod scene;
+mod sensor;
+pub mod serialized;
+mod shape;
+mod texture;
+mod value;
+mod xml;
+
+use super::loaded::LoadedScene;
+use crate::error::SceneError;
+use crate::options::ReadOptions;
+use std::path::Path;
+
+/// Reads a scene that is already in memory; `file` is where it would stand, and files that it names are
+/// looked for beside it.
+///
+/// # Errors
+/// The first thing in the text, or in the files it names, that cannot be used, with its place.
+pub fn read_bytes(
+    bytes: &[u8],
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<LoadedScene, SceneError> {
+    let text = document::in_utf8(bytes.to_owned(), file)?;
+    scene::parse(text, file, options)
+}
