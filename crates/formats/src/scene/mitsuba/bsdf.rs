@@ -50,6 +50,11 @@ impl Look {
         Self { name: "default".to_owned(), ..Self::new(MaterialKind::Matte(grey)) }
     }
 
+    /// What Mitsuba gives lamps that name no BSDF.
+    pub(super) fn black() -> Self {
+        Self { name: "lamp".to_owned(), ..Self::new(MaterialKind::Black) }
+    }
+
     /// As a material that gives no light.
     pub(super) fn material(self) -> Material {
         let Self { kind, opacity, normal_map, name, .. } = self;

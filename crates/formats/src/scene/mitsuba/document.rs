@@ -10,6 +10,7 @@ use super::value::{self, Value};
 use super::xml::{self, Attribute, Element, Tree};
 use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::file;
+use crate::limits::Limits;
 use crate::options::ReadOptions;
 use crate::scene::files::{Files, Found};
 use crate::scene::nearest::nearest;
@@ -106,6 +107,7 @@ struct Part {
 /// A scene's files, taken apart.
 pub(super) struct Document<'o> {
     pub(super) files: Files<'o>,
+    limits: Limits,
     /// Further folders in which files are looked for, by `<path>`.
     folders: Vec<String>,
     sources: Vec<(PathBuf, String)>,
@@ -113,6 +115,15 @@ pub(super) struct Document<'o> {
     /// The files that were found, each once.
     pub(super) found: RefCell<Vec<PathBuf>>,
     notes: RefCell<Notes>,
+}
+
+/// A file that has been read.
+pub(super) struct Content {
+    pub(super) bytes: Vec<u8>,
+    /// Its path in the words of the scene, for messages.
+    pub(super) path: PathBuf,
+    /// The same for every name of the same file.
+    pub(super) identity: PathBuf,
 }
 
 #[derive(Default)]
@@ -144,6 +155,7 @@ impl<'o> Document<'o> {
         };
         let document = Self {
             files: Files::beside(path, options),
+            limits: options.limits,
             folders: Vec::new(),
             sources: Vec::new(),
             objects: vec![scene],
@@ -215,6 +227,16 @@ impl<'o> Document<'o> {
             files.push(found.identity.clone());
         }
         Ok(found)
+    }
+
+    /// The content of the file `name`, which may need no disk.
+    pub(super) fn content(&self, name: &str, place: Place) -> Result<Content, SceneError> {
+        if let Some(bytes) = self.files.embedded(name) {
+            let path = self.files.path(name);
+            return Ok(Content { bytes: bytes.to_owned(), identity: path.clone(), path });
+        }
+        let Found { path, identity } = self.find(name, place)?;
+        Ok(Content { bytes: file::scene_bytes(&path, &self.limits)?, identity, path })
     }
 
     /// The name of a picture as it is found: beside the scene, or in a folder that it says.
@@ -674,7 +696,7 @@ impl Builder<'_> {
         parent: usize,
         within: &mut Vec<PathBuf>,
     ) -> Result<(), SceneError> {
-        let found = self.document.find(name, place)?;
+        let found = self.document.content(name, place)?;
         if within.contains(&found.identity) {
             let what = format!("\"{}\" includes itself, by itself or by others", shown(name));
             return Err(self.document.invalid(place, what));
@@ -690,8 +712,7 @@ impl Builder<'_> {
             let what = "included files";
             return Err(self.document.error(place, SceneErrorKind::Limit { what, asked, allowed }));
         }
-        let bytes = file::scene_bytes(&found.path, &self.options.limits)?;
-        let text = in_utf8(bytes, &found.path)?;
+        let text = in_utf8(found.bytes, &found.path)?;
         within.push(found.identity);
         self.file(found.path, text, parent, within)?;
         within.pop();

@@ -1,7 +1,7 @@
 //! From a document to a scene of the renderer.
 
 use super::bsdf::Look;
-use super::document::{self, Class, Document, View, in_utf8};
+use super::document::{self, Class, Content, Document, View, in_utf8};
 use super::emitter::upright;
 use super::matrix::Matrix;
 use super::shape::MeshKey;
@@ -17,12 +17,12 @@ use crate::scene::loaded::{LoadedScene, camera_named};
 use crate::scene::origins::{Origins, PictureOrigin};
 use crate::scene::pictures::Pictures;
 use rutilant::color::Rgb;
-use rutilant::material::{Absorption, Dielectric, MaterialKind, Medium};
+use rutilant::material::{Absorption, Dielectric, Emission, Material, MaterialKind, Medium};
 use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem};
 use rutilant::settings::Settings;
 use rutilant::shape::Mesh;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Reads a `.xml` file as a scene.
@@ -81,7 +81,7 @@ pub(super) struct Maker<'d, 'o> {
     pub(super) paints: HashMap<(usize, Use), Paint>,
     pub(super) meshes: HashMap<MeshKey, Vec<MeshId>>,
     /// Files of which more than one mesh is wanted.
-    pub(super) bytes: HashMap<PathBuf, Arc<Vec<u8>>>,
+    pub(super) bytes: HashMap<String, Arc<Content>>,
     pub(super) image_names: Vec<String>,
     pub(super) image_origins: Vec<PictureOrigin>,
     /// Where the parts of the scene are written.
@@ -117,6 +117,7 @@ impl Maker<'_, '_> {
         shape: View<'_, '_>,
         bsdf: Option<View<'_, '_>>,
         look: &Look,
+        emission: Option<Emission>,
     ) -> Result<MaterialId, SceneError> {
         let emitter = shape.only(Class::Emitter);
         let inside = shape.part("interior");
@@ -159,10 +160,7 @@ impl Maker<'_, '_> {
                         same from behind here";
             shape.note(what, what);
         }
-        let mut material = look.material();
-        if let Some(emitter) = emitter {
-            material.emission = Some(self.emission(emitter)?);
-        }
+        let material = Material { emission, ..look.material() };
         let id = self.scene.add_material(material);
         let place = bsdf.map_or(shape.place(), |bsdf| bsdf.place());
         self.remember(Place::Material(id.0 as usize), place);

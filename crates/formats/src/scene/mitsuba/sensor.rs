@@ -230,7 +230,17 @@ impl Maker<'_, '_> {
     ) -> Result<(), SceneError> {
         match integrator.plugin() {
             "path" => {}
-            "direct" => settings.integrator = IntegratorKind::Direct,
+            // What light does up to the first surface that scatters it.
+            "direct" => {
+                settings.max_depth = Some(2);
+                integrator.pass_over(&[
+                    "emitter_samples",
+                    "bsdf_samples",
+                    "shading_samples",
+                    "hide_emitters",
+                ]);
+                return Ok(());
+            }
             "depth" => settings.integrator = IntegratorKind::Depth,
             // What is around the integrator that renders: other channels, and their statistics.
             "aov" | "moment" | "multichannel" | "adaptive" | "irrcache" if depth < 4 => {

@@ -4,17 +4,15 @@
 //! turned inside out or stretched become triangles, and cylinders always do.
 
 use super::bsdf::Look;
-use super::document::{Class, View};
+use super::document::{Class, Content, View};
 use super::matrix::{Matrix, single};
 use super::scene::Maker;
 use super::serialized;
 use crate::error::{SceneError, SceneErrorKind};
-use crate::file;
 use crate::scene::{obj, ply};
 use rutilant::scene::MeshId;
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec2, Vec3, real};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// All that are read.
@@ -43,7 +41,8 @@ pub(super) struct MeshKey {
 /// What a mesh is made of.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum From {
-    File(PathBuf, u32),
+    /// Its name in the scene, and which of its meshes.
+    File(String, u32),
     Sphere,
     Cube,
     Cylinder,
@@ -77,11 +76,14 @@ impl Maker<'_, '_> {
         let flipped = shape.boolean("flip_normals", false)?;
         shape.pass_over(&["silhouette_sampling_weight", "name"]);
         let bsdf = shape.only(Class::Bsdf);
-        let look = match bsdf {
-            Some(bsdf) => self.look_of(bsdf)?,
-            None => Look::grey(),
+        let emission = shape.only(Class::Emitter).map(|emitter| self.emission(emitter)).transpose()?;
+        let mut look = match (bsdf, emission) {
+            (Some(bsdf), _) => self.look_of(bsdf)?,
+            (None, None) => Look::grey(),
+            (None, Some(_)) => Look::black(),
         };
-        let material = self.material(shape, bsdf, &look)?;
+        look.textured |= emission.is_some_and(|emission| emission.texture.is_some());
+        let material = self.material(shape, bsdf, &look, emission)?;
         let mut shapes: Vec<(Shape, Matrix)> = Vec::new();
         let own = |shape: Shape, matrix: Matrix| vec![(shape, matrix)];
         let as_mesh = flipped || look.textured;
@@ -173,7 +175,6 @@ impl Maker<'_, '_> {
     /// The meshes of a file; one for each material that it has.
     fn meshes_of(&mut self, shape: View<'_, '_>, flipped: bool) -> Result<Vec<MeshId>, SceneError> {
         let (name, place) = shape.file_name()?;
-        let found = self.document.find(name, place)?;
         let number = match shape.plugin() {
             "serialized" => shape.count("shape_index", 0..=u32::MAX)?.unwrap_or(0),
             _ => 0,
@@ -182,40 +183,41 @@ impl Maker<'_, '_> {
         // OBJ files have v upwards, and Mitsuba downwards.
         let flip_v = shape.boolean("flip_tex_coords", shape.plugin() == "obj")?;
         shape.pass_over(&["shape_index", "max_smooth_angle", "srgb"]);
-        let from = From::File(found.identity.clone(), number);
+        let from = From::File(name.to_owned(), number);
         let key = MeshKey { from, flat, flip_v, inside_out: flipped };
         if let Some(known) = self.meshes.get(&key) {
             return Ok(known.clone());
         }
-        let bytes = match self.bytes.get(&found.identity) {
-            Some(bytes) => Arc::clone(bytes),
+        let file = match self.bytes.get(name) {
+            Some(file) => Arc::clone(file),
             None => {
-                let bytes = Arc::new(file::scene_bytes(&found.path, &self.options.limits)?);
+                let file = Arc::new(self.document.content(name, place)?);
                 // Only these are read again for another mesh.
                 if shape.plugin() == "serialized" {
-                    self.bytes.insert(found.identity.clone(), Arc::clone(&bytes));
+                    self.bytes.insert(name.to_owned(), Arc::clone(&file));
                 }
-                bytes
+                file
             }
         };
+        let Content { bytes, path, .. } = &*file;
         let limits = self.limits_left();
         let (meshes, notes) = match shape.plugin() {
             "obj" => {
-                let read = obj::read_bytes(&bytes, &found.path, &limits)?;
+                let read = obj::read_bytes(bytes, path, &limits)?;
                 (read.meshes.into_iter().map(|(mesh, _)| mesh).collect(), read.notes)
             }
             "ply" => {
-                let (mesh, notes) = ply::read_bytes(&bytes, &found.path, &limits)?;
+                let (mesh, notes) = ply::read_bytes(bytes, path, &limits)?;
                 (vec![mesh], notes)
             }
             _ => {
-                let mesh = serialized::read_bytes(&bytes, number, &found.path, &limits)?;
+                let mesh = serialized::read_bytes(bytes, number, path, &limits)?;
                 (vec![mesh], Vec::new())
             }
         };
         self.notes.extend(notes);
         let title = match shape.id() {
-            "" => found.path.file_stem().map(|stem| stem.to_string_lossy().into_owned()),
+            "" => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()),
             id => Some(id.to_owned()),
         };
         let mut ids = Vec::new();
@@ -335,6 +337,11 @@ fn grid(mesh: &mut Mesh, rows: u32, up: bool) {
             let a = row * (SIDES + 1) + side;
             let [b, c, d] = [a + 1, a + SIDES + 1, a + SIDES + 2];
             let pair = if up { [[a, b, d], [a, d, c]] } else { [[a, d, b], [a, c, d]] };
+            // At poles a row is a point, and one of the two has no area.
+            let place = |i: u32| mesh.positions[i as usize];
+            let has_area =
+                |t: &[u32; 3]| (0..3).all(|i| place(t[i]).distance(place(t[(i + 1) % 3])) > 1e-6);
+            let pair: Vec<_> = pair.into_iter().filter(has_area).collect();
             mesh.triangles.extend(pair);
         }
     }
@@ -376,10 +383,7 @@ mod tests {
             for triangle in &mesh.triangles {
                 let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
                 let front = (b - a).cross(c - a);
-                if front.length() < 1e-6 {
-                    // At the poles.
-                    continue;
-                }
+                assert!(front.length() > 1e-7, "{}", mesh.name);
                 let out = (a + b + c) / 3.0 - middle;
                 assert!(front.dot(out) > 0.0, "{}: {a} {b} {c}", mesh.name);
                 for i in triangle {

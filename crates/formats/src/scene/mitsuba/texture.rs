@@ -8,7 +8,6 @@ use super::matrix::Matrix;
 use super::scene::Maker;
 use super::value::{Color, Value};
 use crate::error::SceneError;
-use crate::file;
 use crate::scene::spectrum::{Sampled, illuminant};
 use crate::shown::shown;
 use rutilant::color::Rgb;
@@ -168,9 +167,8 @@ impl Maker<'_, '_> {
     }
 
     fn sampled_file(&self, name: &str, place: Place) -> Result<Sampled, SceneError> {
-        let found = self.document.find(name, place)?;
-        let bytes = file::scene_bytes(&found.path, &self.options.limits)?;
-        let text = super::document::in_utf8(bytes, &found.path)?;
+        let found = self.document.content(name, place)?;
+        let text = super::document::in_utf8(found.bytes, &found.path)?;
         Sampled::parse(&text).map_err(|what| SceneError::invalid_file(&found.path, what))
     }
 
