@@ -15,6 +15,7 @@ use rutilant::light::{Environment, EnvironmentLight, Light, Projection, SpotLigh
 use rutilant::material::{Emission, EmittedLight};
 use rutilant::scene::Place;
 use rutilant_geom::{DVec3, real};
+use std::sync::Arc;
 
 /// All that are read.
 const KNOWN: &[&str] = &["area", "constant", "envmap", "point", "spot", "directional"];
@@ -119,7 +120,11 @@ impl Maker<'_, '_> {
         let to_world = emitter.transform("to_world")?;
         emitter.pass_over(&["mis_compensation"]);
         let picture = match self.document.files.embedded(name) {
-            Some(bytes) => image::read_bytes(bytes, name.as_ref(), &self.options.limits),
+            Some(bytes) => {
+                let (title, content) = (name.to_owned(), Arc::new(bytes.to_owned()));
+                self.image_origins.push(PictureOrigin::Bytes { title, bytes: content });
+                image::read_bytes(bytes, name.as_ref(), &self.options.limits)
+            }
             None => {
                 let found = self.document.find(name, place)?;
                 self.image_origins.push(PictureOrigin::File(found.identity));

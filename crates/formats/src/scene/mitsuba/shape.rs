@@ -76,7 +76,8 @@ impl Maker<'_, '_> {
         let flipped = shape.boolean("flip_normals", false)?;
         shape.pass_over(&["silhouette_sampling_weight", "name"]);
         let bsdf = shape.only(Class::Bsdf);
-        let emission = shape.only(Class::Emitter).map(|emitter| self.emission(emitter)).transpose()?;
+        let emission =
+            shape.only(Class::Emitter).map(|emitter| self.emission(emitter)).transpose()?;
         let mut look = match (bsdf, emission) {
             (Some(bsdf), _) => self.look_of(bsdf)?,
             (None, None) => Look::grey(),
