@@ -112,8 +112,8 @@ const AFTER_HEAD: &[(&str, &str)] = &[
         r#":10:8: there is no file "none.obj" beside the scene"#,
     ),
     (
-        "[[shape]]\ntype = \"mesh\"\nfile = \"a.stl\"\nmaterial = \"grey\"",
-        ":10:8: no mesh format .stl; there are .obj, .ply, .stl, .gltf, .glb",
+        "[[shape]]\ntype = \"mesh\"\nfile = \"a.off\"\nmaterial = \"grey\"",
+        ":10:8: no mesh format .off; there are .obj, .ply, .stl, .gltf, .glb",
     ),
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"folder.obj\"\nmaterial = \"grey\"",
@@ -281,7 +281,7 @@ fn every_mistake_is_one_line_and_status_2() {
     write("name.mtl", b"newmtl\n");
     write("number.mtl", b"newmtl a\nKd red\n");
     write("infinite.mtl", b"newmtl a\nNi 1e99\n");
-    write("a.stl", b"solid\n");
+    write("a.off", b"OFF\n");
     write("sky.gif", b"GIF89a");
     write("bad.hdr", b"#?RADIANCE\n\n-Y 5\n");
     write("bad.pfm", b"PF\n2 x\n");

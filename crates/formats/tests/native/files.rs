@@ -89,7 +89,7 @@ fn material_files_stay_in_the_scenes_folder() {
 fn only_regular_files_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("mesh.obj")).expect("a folder");
-    fs::write(folder.path().join("mesh.stl"), "").expect("a file");
+    fs::write(folder.path().join("mesh.off"), "").expect("a file");
     for (file, expected) in [
         ("mesh.obj", "scene.toml:11:8: \"mesh.obj\" is a folder, not a file"),
         ("", "scene.toml:11:8: \"\" is a folder, not a file"),

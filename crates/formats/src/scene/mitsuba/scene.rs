@@ -240,6 +240,8 @@ impl Maker<'_, '_> {
         self.scene.bitmaps =
             self.pictures.read(&options.limits, options.strict, &mut self.notes)?;
         if cameras.is_empty() || auto {
+            // What is wrong with the things comes before that they cannot be seen.
+            self.scene.validate().map_err(|problem| self.blame(problem, path))?;
             camera = cameras.len();
             let chosen = frame_all(&self.scene, size).map_err(|why| match why {
                 Unseen::Nothing => invalid("there is nothing to see in it"),

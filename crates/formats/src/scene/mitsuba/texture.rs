@@ -337,7 +337,7 @@ fn mapping_of(matrix: &Matrix, turned: bool) -> (UvMapping, bool) {
     };
     let [x, y, _] = matrix.translation.to_array();
     let (rotation, scale, offset) = match turned {
-        true => (-rotation, [scale[0], -scale[1]], [x, 1.0 - y]),
+        true => (0.0 - rotation, [scale[0], -scale[1]], [x, 1.0 - y]),
         false => (rotation, scale, [x, y]),
     };
     let pair = |[x, y]: [f64; 2]| Vec2::new(x as f32, y as f32);
