@@ -20,6 +20,7 @@ use rutilant::material::{
     ThinDielectric,
 };
 use rutilant::texture::{Encoding, ScalarInput, Texture};
+use rutilant_geom::{Vec3, real};
 
 /// How a surface looks, without its light.
 #[derive(Clone, Debug)]
@@ -133,10 +134,11 @@ impl Maker<'_, '_> {
                 let pane = ThinDielectric { ior, color: color.unwrap_or(Rgb::WHITE) };
                 Look::new(MaterialKind::ThinDielectric(pane))
             }
-            "plastic" => self.plastic(bsdf, 0.0)?,
+            "plastic" => self.plastic(bsdf, None)?,
             "roughplastic" => {
                 let [u, v] = self.alphas(bsdf)?;
-                self.plastic(bsdf, (0.5 * (u + v)).sqrt())?
+                let is_ggx = bsdf.text("distribution")? == Some("ggx");
+                self.plastic(bsdf, Some(Facets { alpha: 0.5 * (u + v), is_ggx }))?
             }
             "principled" | "principledthin" => self.principled(bsdf)?,
             "twosided" => {
@@ -373,28 +375,36 @@ impl Maker<'_, '_> {
         })))
     }
 
-    /// Matte under a border of glass. With ρ below, F_i the mean that the border sends back from
-    /// inside, T_e the mean that it lets in: what comes out is ρ T_e (1 − F_i) / (1 − ρ F_i) where
-    /// the series inside is summed up (`nonlinear`), ρ T_e where it is not; and principled layers
-    /// say T_e times their base colour.
-    fn plastic(&mut self, bsdf: View<'_, '_>, roughness: f32) -> Result<Look, SceneError> {
+    /// Matte under a border of glass. With ρ below, F the mean that the border sends back from inside
+    /// and T the mean that it lets in, what comes out is ρ T² / (η² (1 − F)), or (1 − ρ F) below where
+    /// the series inside is summed up (`nonlinear`). Principled layers say T times their base colour,
+    /// with a T in which facets lose nothing: for a smooth border 1 − F is T / η², and the base colour
+    /// is ρ. Mitsuba's rough borders lose light; so much darker is the base colour here.
+    fn plastic(&mut self, bsdf: View<'_, '_>, facets: Option<Facets>) -> Result<Look, SceneError> {
         let ior = self.relative_ior(bsdf, 1.49)?;
         let base = self.paint(bsdf, "diffuse_reflectance", Use::Surface)?;
         let mut base = base.unwrap_or(Paint::even(Rgb::grey(0.5)));
         self.untinted(bsdf, "specular_reflectance")?;
-        if bsdf.boolean("nonlinear", false)? {
-            if base.varies() {
+        let smooth = Facets { alpha: 0.0, is_ggx: true };
+        let [all_through, _] = smooth.through(ior);
+        let [through, out] = facets.unwrap_or(smooth).through(ior);
+        let inside = 1.0 - out;
+        let series = match bsdf.boolean("nonlinear", false)? {
+            true if base.varies() => {
                 let what = "a nonlinear plastic whose colour varies is taken as a linear one";
                 bsdf.note(what, what);
-            } else {
-                let inside = sent_back_inside(ior);
-                base.factor = Rgb(base.factor.0.map(|c| c * (1.0 - inside) / (1.0 - c * inside)));
+                [out; 3]
             }
-        }
+            true => base.factor.0.map(|c| 1.0 - c * inside),
+            false => [out; 3],
+        };
+        let factor = through * through / (ior * ior * all_through);
+        let color = |i: usize| base.factor.0[i] * (factor / series[i]).min(1.0);
+        base.factor = Rgb([color(0), color(1), color(2)]);
         let layers = Principled {
             base_color: base.factor,
             metallic: 0.0,
-            roughness,
+            roughness: facets.map_or(0.0, |facets| facets.alpha.sqrt()),
             ior,
             thin_walled: true,
             textures: textures_of(base),
@@ -615,22 +625,94 @@ fn index_of(eta: f32, reflectance: f32) -> (f32, f32) {
     (if eta > 1.0 { above } else { 1.0 / above }, 0.0)
 }
 
-/// The mean, over cosine-weighted directions, of what a smooth border of an index above 1 sends back
-/// of light that comes from inside. By reciprocity 1 − F_i = (1 − F_e) / η² for the mean F_e from
-/// outside, of which Egan and Hilgeman, *Optical Properties of Inhomogeneous Materials*, 1979, have a
-/// fit; here it is integrated.
-fn sent_back_inside(eta: f32) -> f32 {
-    const STEPS: u32 = 256;
-    let outside = (0..STEPS).map(|i| {
-        // Even steps of sin²θ are those of the cosine-weighted hemisphere.
-        let sin2 = (i as f32 + 0.5) / STEPS as f32;
-        let (cos, bent) = ((1.0 - sin2).sqrt(), (1.0 - sin2 / (eta * eta)).max(0.0).sqrt());
-        let across = (cos - eta * bent) / (cos + eta * bent);
-        let along = (eta * cos - bent) / (eta * cos + bent);
-        0.5 * (across * across + along * along)
-    });
-    let outside = outside.sum::<f32>() / STEPS as f32;
-    1.0 - (1.0 - outside) / (eta * eta)
+/// The facets of a rough border; smooth where α is 0.
+#[derive(Clone, Copy, Debug)]
+struct Facets {
+    alpha: f32,
+    /// Else Beckmann's.
+    is_ggx: bool,
+}
+
+impl Facets {
+    /// What a border of an index above 1 lets through, as a mean over cosine-weighted directions: from
+    /// outside, and from inside. Light that facets throw into each other is lost, as in Mitsuba.
+    fn through(self, eta: f32) -> [f32; 2] {
+        let outside = 1.0 - self.mean_reflected(eta);
+        // By reciprocity (Egan and Hilgeman, *Optical Properties of Inhomogeneous Materials*, 1979);
+        // but what is lost is lost on both sides.
+        let inside = match self.alpha {
+            0.0 => outside / (eta * eta),
+            _ => 1.0 - self.mean_reflected(1.0 / eta),
+        };
+        [outside, inside]
+    }
+
+    /// What the border reflects once, as a mean over cosine-weighted directions; `eta` is the index on
+    /// the other side over that on this one.
+    fn mean_reflected(self, eta: f32) -> f32 {
+        const STEPS: u32 = 64;
+        let each = (0..STEPS).map(|i| {
+            // Even steps of sin²θ are those of the cosine-weighted hemisphere.
+            let sin2 = (i as f32 + 0.5) / STEPS as f32;
+            self.reflected(sin2.sqrt(), (1.0 - sin2).sqrt(), eta)
+        });
+        each.sum::<f32>() / STEPS as f32
+    }
+
+    /// The mean of F G₁(wi) G₁(wo) (wi·m) / (cos θi cos θm) over facets m that are drawn by their area
+    /// seen from above (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR
+    /// 2007, equations 41 and 20).
+    fn reflected(self, sin: f32, cos: f32, eta: f32) -> f32 {
+        if self.alpha == 0.0 {
+            return fresnel(cos, eta);
+        }
+        const RINGS: u32 = 32;
+        const SPOKES: u32 = 16;
+        let mut sum = 0.0;
+        for ring in 0..RINGS {
+            let u = (ring as f32 + 0.5) / RINGS as f32;
+            let tan2 = self.alpha
+                * self.alpha
+                * if self.is_ggx { u / (1.0 - u) } else { -real::ln(1.0 - u) };
+            let cos_m = 1.0 / (1.0 + tan2).sqrt();
+            let sin_m = (1.0 - cos_m * cos_m).max(0.0).sqrt();
+            for spoke in 0..SPOKES {
+                // Left and right are alike.
+                let (s, c) = real::sin_cos_degrees(180.0 * (spoke as f32 + 0.5) / SPOKES as f32);
+                let m = Vec3::new(sin_m * c, sin_m * s, cos_m);
+                let wi = Vec3::new(sin, 0.0, cos);
+                let facing = wi.dot(m);
+                let wo = 2.0 * facing * m - wi;
+                if facing > 0.0 && wo.z > 0.0 {
+                    let seen = self.seen(cos) * self.seen(wo.z);
+                    sum += fresnel(facing, eta) * seen * facing / (cos * cos_m);
+                }
+            }
+        }
+        sum / (RINGS * SPOKES) as f32
+    }
+
+    /// How much of the facets is seen at this cosine (Walter et al. 2007, equations 34 and 27).
+    fn seen(self, cos: f32) -> f32 {
+        let tan2 = (1.0 - cos * cos).max(0.0) / (cos * cos);
+        if self.is_ggx {
+            return 2.0 / (1.0 + (1.0 + self.alpha * self.alpha * tan2).sqrt());
+        }
+        let a = 1.0 / (self.alpha * tan2.sqrt());
+        if a >= 1.6 { 1.0 } else { (3.535 * a + 2.181 * a * a) / (1.0 + 2.276 * a + 2.577 * a * a) }
+    }
+}
+
+/// What a smooth border reflects of unpolarised light.
+fn fresnel(cos: f32, eta: f32) -> f32 {
+    let sin2 = (1.0 - cos * cos).max(0.0) / (eta * eta);
+    if sin2 >= 1.0 {
+        return 1.0;
+    }
+    let bent = (1.0 - sin2).sqrt();
+    let across = (cos - eta * bent) / (cos + eta * bent);
+    let along = (eta * cos - bent) / (eta * cos + bent);
+    0.5 * (across * across + along * along)
 }
 
 #[cfg(test)]
@@ -651,12 +733,23 @@ mod tests {
         }
     }
 
-    /// Mean reflectances of a border of index 1.5: 9.18 % from outside, 59.6 % from inside
-    /// (d'Eon and Irving, "A Quantized-Diffusion Model for Rendering Translucent Materials", 2011).
+    /// Mean reflectances of a smooth border of index 1.5: 9.18 % from outside, 59.6 % from inside
+    /// (d'Eon and Irving, "A Quantized-Diffusion Model for Rendering Translucent Materials", 2011); and
+    /// nearly smooth facets reflect as none do.
     #[test]
     fn mean_reflectance_inside() {
-        assert!((sent_back_inside(1.5) - 0.5964).abs() < 1e-3, "{}", sent_back_inside(1.5));
-        assert!(sent_back_inside(1.0).abs() < 1e-6);
+        let smooth = Facets { alpha: 0.0, is_ggx: true };
+        let [through, out] = smooth.through(1.5);
+        assert!((1.0 - through - 0.0918).abs() < 1e-3, "{through}");
+        assert!((1.0 - out - 0.5964).abs() < 1e-3, "{out}");
+        for is_ggx in [false, true] {
+            let nearly = Facets { alpha: 1e-3, is_ggx }.through(1.5);
+            assert!((nearly[0] - through).abs() < 2e-3, "{nearly:?}");
+            assert!((nearly[1] - out).abs() < 2e-2, "{nearly:?}");
+            // Rough facets lose some of what they reflect.
+            let rough = Facets { alpha: 0.5, is_ggx }.through(1.5);
+            assert!(rough[0] > through && rough[1] > out + 0.05, "{rough:?}");
+        }
     }
 
     /// Layers have the alphas that were asked for.

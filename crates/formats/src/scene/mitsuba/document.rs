@@ -19,6 +19,7 @@ use crate::shown::shown;
 use std::cell::{Cell, RefCell};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 /// A place in one of a scene's files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -110,7 +111,7 @@ pub(super) struct Document<'o> {
     limits: Limits,
     /// Further folders in which files are looked for, by `<path>`.
     folders: Vec<String>,
-    sources: Vec<(PathBuf, String)>,
+    sources: Vec<(PathBuf, Rc<str>)>,
     pub(super) objects: Vec<Object>,
     /// The files that were found, each once.
     pub(super) found: RefCell<Vec<PathBuf>>,
@@ -171,7 +172,7 @@ impl<'o> Document<'o> {
             aliases: Vec::new(),
             includes: 0,
         };
-        builder.file(path.to_owned(), text, 0, &mut Vec::new())?;
+        builder.file(path.to_owned(), &text.into(), 0, &mut Vec::new())?;
         builder.resolve()?;
         builder.parameters.finish(path, &builder.document)?;
         Ok(builder.document)
@@ -517,18 +518,18 @@ impl Builder<'_> {
     fn file(
         &mut self,
         path: PathBuf,
-        text: String,
+        text: &Rc<str>,
         into: usize,
         within: &mut Vec<PathBuf>,
     ) -> Result<(), SceneError> {
         let number = self.document.sources.len() as u32;
-        let tree = xml::parse(&text, &self.options.limits);
+        let tree = xml::parse(text, &self.options.limits);
         let tree = tree.map_err(|(at, kind)| SceneError {
             at: text::place(&path, text.as_bytes(), at),
             kind,
         })?;
         // The places of what is read next are told by the text.
-        self.document.sources.push((path, text.clone()));
+        self.document.sources.push((path, Rc::clone(text)));
         let root = &tree.elements[0];
         let here = Here { file: number, old: is_old(root) };
         if root.tag != "scene" {
@@ -714,7 +715,7 @@ impl Builder<'_> {
         }
         let text = in_utf8(found.bytes, &found.path)?;
         within.push(found.identity);
-        self.file(found.path, text, parent, within)?;
+        self.file(found.path, &text.into(), parent, within)?;
         within.pop();
         Ok(())
     }
