@@ -77,6 +77,7 @@ Examples:
   rutilant kitchen.toml -o a.exr -o a.png   full radiance for editing, and a picture to look at
   rutilant kitchen.toml --time 60s          as many samples as a minute allows, one pass at least
   rutilant dragon.ply --size 1920x1080      a bare mesh, under an even sky
+  rutilant box.xml -D spp=256               a Mitsuba scene, with another $spp than its own
   rutilant check kitchen.toml               is the scene all right?
   rutilant compare a.exr reference.exr      how far is it from the truth?
   rutilant convert model.glb model.toml     as a scene in text, to go on with

@@ -142,6 +142,11 @@ impl Maker<'_, '_> {
         };
         Ok(match color {
             Color::Rgb(rgb) => *rgb,
+            // Light that is the same at every wavelength is not white, which is that of the day.
+            Color::Even(value) if used == Use::Light => {
+                let even = illuminant("E").unwrap_or(Rgb::WHITE);
+                Rgb(even.0.map(|c| c * value))
+            }
             Color::Even(value) => Rgb::grey(*value),
             Color::Sampled(sampled) => seen(sampled),
             Color::File(name) => seen(&self.sampled_file(name, place)?),
