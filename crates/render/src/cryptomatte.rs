@@ -39,9 +39,8 @@ pub fn metadata(scene: &Scene) -> Vec<(String, String)> {
     ];
     let of_layer = |(layer, manifest): (&str, String)| {
         let key = hex(id(layer));
-        let said = |what: &str, text: &str| {
-            (format!("cryptomatte/{}/{what}", &key[..7]), text.to_owned())
-        };
+        let said =
+            |what: &str, text: &str| (format!("cryptomatte/{}/{what}", &key[..7]), text.to_owned());
         [
             said("name", layer),
             said("hash", "MurmurHash3_32"),
@@ -100,9 +99,8 @@ pub fn id(name: &str) -> u32 {
 
 /// `MurmurHash3_x86_32` with seed 0.
 fn murmur3(bytes: &[u8]) -> u32 {
-    let mixed = |word: u32| {
-        word.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593)
-    };
+    let mixed =
+        |word: u32| word.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
     let (words, rest) = bytes.as_chunks::<4>();
     let mut hash = words.iter().fold(0_u32, |hash, &word| {
         let hash = (hash ^ mixed(u32::from_le_bytes(word))).rotate_left(13);

@@ -117,10 +117,7 @@ const MEANS: [(Layer, &[(&str, Reading)]); 5] = [
             ("position.Z", |f| f.mean_of_met(f.position[2])),
         ],
     ),
-    (
-        Layer::Uv,
-        &[("uv.U", |f| f.mean_of_met(f.uv[0])), ("uv.V", |f| f.mean_of_met(f.uv[1]))],
-    ),
+    (Layer::Uv, &[("uv.U", |f| f.mean_of_met(f.uv[0])), ("uv.V", |f| f.mean_of_met(f.uv[1]))]),
 ];
 
 /// The channels of `layers` for these pixels, in their order.
@@ -177,6 +174,7 @@ fn mattes(
     }
     for (level, values) in levels.into_iter().enumerate() {
         let named = ["R", "G", "B", "A"].map(|last| format!("{name}{level:02}.{last}"));
-        channels.extend(named.into_iter().zip(values).map(|(name, values)| Channel { name, values }));
+        channels
+            .extend(named.into_iter().zip(values).map(|(name, values)| Channel { name, values }));
     }
 }

@@ -14,8 +14,8 @@ mod splats;
 
 pub use crop::Crop;
 pub use filter::Filter;
-pub use layers::{Layer, Layers};
 pub(crate) use filter::FilterSampler;
+pub use layers::{Layer, Layers};
 pub(crate) use splats::{Splat, Splats};
 
 use crate::color::Spectrum;
@@ -286,7 +286,8 @@ impl Film {
         let pixels = width as usize * height as usize;
         let black = |name: &str| Channel { name: name.to_owned(), values: vec![0.0; pixels] };
         let parts: &[&str] = if self.layers.has(Layer::Light) { &PARTS } else { &[] };
-        let mut channels: Vec<Channel> = COLORS.iter().chain(parts).map(|name| black(name)).collect();
+        let mut channels: Vec<Channel> =
+            COLORS.iter().chain(parts).map(|name| black(name)).collect();
         let mut layers = Vec::<Channel>::new();
         for i in 0..self.tile_count() {
             let tile = self.tile(i);
@@ -337,8 +338,7 @@ impl Film {
 }
 
 /// What every picture has.
-const COLORS: [&str; 7] =
-    ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"];
+const COLORS: [&str; 7] = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"];
 
 /// The light of [`Layer::Light`].
 const PARTS: [&str; 9] = [
