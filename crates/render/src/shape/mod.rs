@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub struct Object {
     /// What the author calls it; may be empty. What comes before a first slash is the asset that it
     /// belongs to. Mattes go by this name, or else by the mesh's: see [`crate::cryptomatte`].
-    pub name: String,
+    pub name: Arc<str>,
     /// What it is.
     pub shape: Shape,
     /// How it looks.
@@ -60,12 +60,12 @@ pub enum Shape {
 impl Object {
     /// A shape as it is, with a material and no name.
     pub fn new(shape: Shape, material: MaterialId) -> Self {
-        Self { name: String::new(), shape, material, world_from_object: Transform::IDENTITY }
+        Self { name: Arc::default(), shape, material, world_from_object: Transform::IDENTITY }
     }
 
     /// The same with a name.
     #[must_use]
-    pub fn named(self, name: impl Into<String>) -> Self {
+    pub fn named(self, name: impl Into<Arc<str>>) -> Self {
         Self { name: name.into(), ..self }
     }
 

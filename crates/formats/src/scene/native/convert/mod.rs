@@ -360,6 +360,11 @@ impl Writer<'_> {
             Shape::Custom(_) => Vec::new(),
         };
         groups.push(Group::one(&["material"], said::text(material)));
+        // Places that are told together keep a name that all of them have.
+        let shared = group.iter().all(|i| scene.objects[*i].name == object.name);
+        if shared && !object.name.is_empty() {
+            groups.insert(0, Group::one(&["name"], said::text(&object.name)));
+        }
         let places = group.iter().map(|i| &scene.objects[*i].world_from_object);
         let places: Vec<&Transform> = places.collect();
         match places[..] {
