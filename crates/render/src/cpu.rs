@@ -252,7 +252,8 @@ impl Rendering<'_> {
                 let (radiance, control) = (found.radiance[i], found.controls[i]);
                 self.film.add(&mut tile, &sample, radiance, control, found.parts.get(i));
                 if let Some(first) = found.firsts.get(i) {
-                    tile.look(&sample, first.as_ref());
+                    let wanted = starts[i / LANES].albedos >> (i % LANES) & 1 == 1;
+                    tile.look(&sample, first.as_ref(), wanted);
                 }
             }
             paths += places.len() as u64;
@@ -294,7 +295,7 @@ fn starts_of<V: Simd, S: Sampler>(
     for lane in places.len()..LANES {
         rays.t_max[lane] = RayPacket::NONE.t_max[lane];
     }
-    (Starts { rays, samplers }, weight)
+    (Starts { rays, samplers, albedos: albedos_of(places) }, weight)
 }
 
 /// The same without vector instructions.
@@ -313,7 +314,18 @@ fn starts_one_by_one<S: Sampler>(
         rays.set(lane, &camera.ray(Vec2::new(x[lane], y[lane]) + offset, lens));
         weights[lane] = weight;
     }
-    (Starts { rays, samplers }, weights)
+    (Starts { rays, samplers, albedos: albedos_of(places) }, weights)
+}
+
+/// The samples whose albedos count, a bit for each: the first of each pixel, and one in four of those
+/// after them. Albedos hardly differ within a pixel, and those of films take long.
+#[inline(always)]
+fn albedos_of(places: &[([u32; 2], u64)]) -> u32 {
+    /// So many samples tell nearly all of it.
+    const ENOUGH: u64 = 16;
+    let counts = |number: u64| number < ENOUGH || number.is_multiple_of(4);
+    let each = places.iter().enumerate().take(LANES);
+    each.fold(0, |all, (lane, &(_, number))| all | u32::from(counts(number)) << lane)
 }
 
 /// The middles of the pixels, and the numbers of their samples.

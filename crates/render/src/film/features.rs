@@ -16,6 +16,8 @@ pub(super) struct Features {
     /// Samples, and those that met something.
     count: u64,
     met: u64,
+    /// Samples whose albedo counts; of nothing it is 0.
+    albedos: u64,
     albedo: [f64; 3],
     normal: [f64; 3],
     position: [f64; 3],
@@ -26,13 +28,14 @@ pub(super) struct Features {
 }
 
 impl Features {
-    /// Adds what a sample met that counts `weight`.
-    pub(super) fn add(&mut self, first: Option<&First>, weight: f32) {
+    /// Adds what a sample met that counts `weight`, and whose albedo is `wanted`.
+    pub(super) fn add(&mut self, first: Option<&First>, weight: f32, wanted: bool) {
         self.count += 1;
+        self.albedos += u64::from(wanted);
         let Some(first) = first else { return };
         self.met += 1;
         let weight = f64::from(weight);
-        add(&mut self.albedo, first.albedo.channels(), weight);
+        add(&mut self.albedo, first.albedo.unwrap_or_default().channels(), weight);
         add(&mut self.normal, first.normal.to_array(), weight);
         add(&mut self.position, first.position.to_array(), 1.0);
         add(&mut self.uv, first.uv.to_array(), 1.0);
@@ -46,6 +49,11 @@ impl Features {
     /// The mean over all samples.
     fn mean(&self, sum: f64) -> f32 {
         if self.count > 0 { (sum / self.count as f64) as f32 } else { 0.0 }
+    }
+
+    /// The mean over the samples whose albedo counts.
+    fn mean_albedo(&self, sum: f64) -> f32 {
+        if self.albedos > 0 { (sum / self.albedos as f64) as f32 } else { 0.0 }
     }
 
     /// The mean over all samples that met something.
@@ -95,9 +103,9 @@ const MEANS: [(Layer, &[(&str, Reading)]); 5] = [
     (
         Layer::Albedo,
         &[
-            ("albedo.R", |f| f.mean(f.albedo[0])),
-            ("albedo.G", |f| f.mean(f.albedo[1])),
-            ("albedo.B", |f| f.mean(f.albedo[2])),
+            ("albedo.R", |f| f.mean_albedo(f.albedo[0])),
+            ("albedo.G", |f| f.mean_albedo(f.albedo[1])),
+            ("albedo.B", |f| f.mean_albedo(f.albedo[2])),
         ],
     ),
     (

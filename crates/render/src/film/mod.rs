@@ -160,10 +160,10 @@ impl Tile {
         }
     }
 
-    /// Adds what the `sample` met first.
-    pub(crate) fn look(&mut self, sample: &Sample, first: Option<&First>) {
+    /// Adds what the `sample` met first, and whose albedo counts if it is `wanted`.
+    pub(crate) fn look(&mut self, sample: &Sample, first: Option<&First>, wanted: bool) {
         let i = self.index(sample.pixel);
-        self.features[i].add(first, sample.weight);
+        self.features[i].add(first, sample.weight, wanted);
     }
 
     /// A sample of pixel `i` as those before it correct it; those after it learn from it. Apart,

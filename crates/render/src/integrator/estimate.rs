@@ -73,7 +73,7 @@ pub(crate) trait Integrator: Sync {
         if self.trace_together(scene, starts, view, found, rays) {
             return;
         }
-        for (i, Starts { rays: first, samplers }) in starts.iter().enumerate() {
+        for (i, Starts { rays: first, samplers, albedos }) in starts.iter().enumerate() {
             for (lane, sampler) in samplers.iter().enumerate().filter(|(l, _)| first.is_there(*l)) {
                 let (slot, ray) = (i * LANES + lane, first.ray(lane));
                 let Some(view) = view else {
@@ -81,6 +81,7 @@ pub(crate) trait Integrator: Sync {
                         self.controlled(scene, ray, sampler, rays);
                     continue;
                 };
+                let view = (view, albedos >> lane & 1 == 1);
                 let watched = self.watched(scene, ray, sampler, view, rays);
                 (found.radiance[slot], found.controls[slot]) = (watched.radiance, watched.control);
                 if let Some(parts) = found.parts.get_mut(slot) {
@@ -118,16 +119,16 @@ pub(crate) trait Integrator: Sync {
         (self.radiance(scene, ray, sampler, rays), 0.0)
     }
 
-    /// The same with what is asked besides. Integrators that know no parts of light tell none.
+    /// The same with what is asked besides, and whether that is an albedo. Integrators that know no parts of light tell none.
     fn watched<S: Sampler>(
         &self,
         scene: &Prepared,
         ray: Ray,
         sampler: &S,
-        view: &View,
+        (view, wants_albedo): (&View, bool),
         rays: &mut u64,
     ) -> Watched {
-        let first = view.along(scene, ray, rays);
+        let first = view.along(scene, ray, wants_albedo, rays);
         let (radiance, control) = self.controlled(scene, ray, sampler, rays);
         Watched { radiance, control, parts: [Spectrum::BLACK; 2], first }
     }

@@ -20,8 +20,8 @@ use rutilant_geom::{Hit, Ray, Vec2, Vec3};
 pub(crate) struct First {
     /// The number of the object.
     pub(crate) object: u32,
-    /// The part of white light that is sent back, 0 to 1.
-    pub(crate) albedo: Spectrum,
+    /// The part of white light that is sent back, 0 to 1, where it is wanted of this sample.
+    pub(crate) albedo: Option<Spectrum>,
     /// The shading normal in the world, on the camera's side.
     pub(crate) normal: Vec3,
     /// In the world, in metres.
@@ -53,20 +53,20 @@ impl View {
     }
 
     /// The surface at `hit`, with its shading `normal` on either side, seen from the unit vector
-    /// `wo`.
+    /// `wo`, and its `albedo` where it is wanted of this sample.
     pub(super) fn first(
         &self,
         scene: &Prepared,
         hit: &Hit,
         normal: Vec3,
         wo: Vec3,
-        albedo: Spectrum,
+        albedo: Option<impl FnOnce() -> Spectrum>,
     ) -> First {
         let from_eye = hit.position - self.eye;
         let uv = if self.layers.has(Layer::Uv) { scene.uv(hit) } else { Vec2::ZERO };
         First {
             object: scene.object_of(hit.instance, hit.primitive),
-            albedo,
+            albedo: albedo.filter(|_| self.layers.has(Layer::Albedo)).map(|albedo| albedo()),
             normal: if normal.dot(wo) < 0.0 { -normal } else { normal },
             position: hit.position,
             uv,
@@ -74,15 +74,21 @@ impl View {
         }
     }
 
-    /// What `ray` meets first.
-    pub(super) fn along(&self, scene: &Prepared, mut ray: Ray, rays: &mut u64) -> Option<First> {
+    /// What `ray` meets first, with its albedo where it is wanted.
+    pub(super) fn along(
+        &self,
+        scene: &Prepared,
+        mut ray: Ray,
+        wants_albedo: bool,
+        rays: &mut u64,
+    ) -> Option<First> {
         if !self.layers.look() {
             return None;
         }
         let (mut media, mut made) = (scene.camera_media(), None);
         let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |_| ());
         let met = way.met?;
-        let albedo = met.material.bsdf.albedo();
+        let albedo = wants_albedo.then_some(|| met.material.bsdf.albedo());
         Some(self.first(scene, &met.hit, met.at.shading.z, met.at.wo, albedo))
     }
 }

@@ -81,10 +81,10 @@ impl Integrator for Path<'_> {
         scene: &Prepared,
         ray: Ray,
         sampler: &S,
-        view: &View,
+        (view, wants_albedo): (&View, bool),
         rays: &mut u64,
     ) -> Watched {
-        let mut witness = Witness::new(scene, view);
+        let mut witness = Witness::new(scene, view, wants_albedo);
         let radiance = self.trace(scene, ray, sampler, rays, &mut witness);
         witness.told(radiance, 0.0)
     }

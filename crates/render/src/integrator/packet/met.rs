@@ -208,10 +208,12 @@ impl<'p> MetPacket<'p> {
 
     /// Tells what the camera rays `there` met first.
     #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     pub(super) fn tell_firsts(
         &self,
         scene: &Prepared,
         view: &View,
+        albedos: u32,
         rays: &RayPacket,
         there: u32,
         slot: &[u32; LANES],
@@ -221,13 +223,14 @@ impl<'p> MetPacket<'p> {
             if let (Some(first), Some(hit)) =
                 (firsts.get_mut(slot[lane] as usize), self.hits.hit(lane))
             {
-                let albedo = match self.black >> lane & 1 {
-                    1 => None,
-                    _ => self.albedo_of(lane),
+                let black = self.black >> lane & 1 == 1;
+                let albedo = || match self.albedo_of(lane) {
+                    Some(albedo) if !black => albedo,
+                    Some(_) | None => Spectrum::BLACK,
                 };
                 let (normal, wo) = (at(&self.shading_normal, lane), -at(&rays.direction, lane));
-                let albedo = albedo.unwrap_or(Spectrum::BLACK);
-                *first = Some(view.first(scene, &hit, normal, wo, albedo));
+                let wanted = albedos >> lane & 1 == 1;
+                *first = Some(view.first(scene, &hit, normal, wo, wanted.then_some(albedo)));
             }
         }
     }

@@ -53,7 +53,9 @@ impl Path<'_> {
     ) {
         let mut paths = Paths::new(starts, scene);
         for depth in 1..=self.max_depth {
-            for packet in &mut paths.packets {
+            for (i, packet) in paths.packets.iter_mut().enumerate() {
+                // The first surfaces are those of the starts, in their order.
+                let view = view.filter(|_| depth == 1).map(|view| (view, starts[i].albedos));
                 self.advance(simd, scene, packet, depth, view, found, &mut paths.media, rays);
             }
             if depth == 1 {
@@ -69,7 +71,8 @@ impl Path<'_> {
         }
     }
 
-    /// Takes eight paths from one surface to the next. Those that end are no longer there then.
+    /// Takes eight paths from one surface to the next. Those that end are no longer there then. With a
+    /// `view`, and a bit for each path whose albedo is wanted, tells what they met.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     fn advance<S: Simd, N: Sampler>(
@@ -78,7 +81,7 @@ impl Path<'_> {
         scene: &Prepared,
         paths: &mut PathPacket<N>,
         depth: u32,
-        view: Option<&View>,
+        view: Option<(&View, u32)>,
         found: &mut Found,
         media: &mut [Media],
         rays: &mut u64,
@@ -102,10 +105,8 @@ impl Path<'_> {
             ));
         }
 
-        if depth == 1
-            && let Some(view) = view
-        {
-            met.tell_firsts(scene, view, &paths.rays, there, &paths.slot, firsts);
+        if let Some((view, albedos)) = view {
+            met.tell_firsts(scene, view, albedos, &paths.rays, there, &paths.slot, firsts);
         }
 
         // Light of the sky and of surfaces, weighted against having been chosen by light sampling.
