@@ -1,7 +1,5 @@
 //! Layers say what is seen: closed forms of places, normals and coverage, and light in parts.
 
-#![expect(clippy::disallowed_methods, reason = "expected values are computed in f64")]
-
 mod common;
 
 use common::render;
