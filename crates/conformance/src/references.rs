@@ -77,7 +77,7 @@ pub const PBRT: &[Foreign] = &[
         scene: "pbrt/bitterli-coffee/scene-v4.pbrt",
         picture: "pbrt/bitterli-coffee/TungstenRender.exr",
         without: Some([200, 600, 360, 200]),
-        remark: "In the jug the reference lacks light that has met glass eleven times and more, though the file asks for 17; ours is the same there with and without paths from lights.",
+        remark: "In the jug ours is half as bright again, the same with and without paths from lights; why is not known: cut at ten segments it is darker than the reference.",
     },
 ];
 
@@ -98,21 +98,31 @@ impl Foreign {
         if !scene.exists() || !picture.exists() {
             return Ok(None);
         }
-        let reference = image::read(&picture, &Limits::default()).map_err(|e| e.to_string())?;
         let loaded = read_scene(&scene, &ReadOptions::default()).map_err(|e| e.to_string())?;
-        let LoadedScene { scene, mut settings, .. } = loaded;
-        settings.spp = spp;
-        let scene = Arc::new(Prepared::new(&scene).map_err(|e| e.to_string())?);
-        let ours = render(&scene, settings, threads).map_err(|e| e.to_string())?;
-        if [ours.width(), ours.height()] != [reference.width(), reference.height()] {
-            return Err(format!("{}: scene and picture have different sizes", self.scene));
-        }
-        let [ours, reference] = [&ours, &reference].map(|image| match self.without {
-            Some(window) => blackened(image, window),
-            None => image.clone(),
+        let [ours, reference] = both(loaded, &picture, spp, threads)?.map(|image| {
+            let window = self.without;
+            window.map_or_else(|| image.clone(), |window| blackened(&image, window))
         });
         Ok(Some(measured(&ours, &reference, block)))
     }
+}
+
+/// Our picture of a scene, and that of a file, which must have the same size.
+fn both(
+    loaded: LoadedScene,
+    picture: &Path,
+    spp: u64,
+    threads: usize,
+) -> Result<[Image; 2], String> {
+    let reference = image::read(picture, &Limits::default()).map_err(|e| e.to_string())?;
+    let LoadedScene { scene, mut settings, .. } = loaded;
+    settings.spp = spp;
+    let scene = Arc::new(Prepared::new(&scene).map_err(|e| e.to_string())?);
+    let ours = render(&scene, settings, threads).map_err(|e| e.to_string())?;
+    if [ours.width(), ours.height()] != [reference.width(), reference.height()] {
+        return Err(format!("{}: scene and picture have different sizes", picture.display()));
+    }
+    Ok([ours, reference])
 }
 
 /// A picture that is black in a window.
@@ -166,16 +176,10 @@ impl Reference {
         if !path.exists() {
             return Ok(None);
         }
-        let reference = image::read(&path, &Limits::default()).map_err(|e| e.to_string())?;
         let name = format!("{}.toml", self.name);
         let loaded = parse_native(self.scene, name.as_ref(), &ReadOptions::default());
-        let LoadedScene { scene, mut settings, .. } = loaded.map_err(|e| e.to_string())?;
-        settings.spp = spp;
-        let scene = Arc::new(Prepared::new(&scene).map_err(|e| e.to_string())?);
-        let ours = render(&scene, settings, threads).map_err(|e| e.to_string())?;
-        if [ours.width(), ours.height()] != [reference.width(), reference.height()] {
-            return Err(format!("{}: scene and picture have different sizes", self.name));
-        }
+        let loaded = loaded.map_err(|e| e.to_string())?;
+        let [ours, reference] = both(loaded, &path, spp, threads)?;
         Ok(Some(measured(&ours, &reference, block)))
     }
 }

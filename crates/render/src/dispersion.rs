@@ -10,11 +10,9 @@
 //! as often by both: their densities compare as those of white paths do.
 //!
 //! Sources: the index by Cauchy's equation as in glTF's `KHR_materials_dispersion`; the colours of
-//! bands by the fit of Wyman, Sloan, Shirley, "Simple Analytic Approximations to the CIE XYZ Color
-//! Matching Functions", JCGT 2(2), 2013, section 2.2.
+//! bands by [`color_matching`].
 
-use crate::color::Spectrum;
-use rutilant_geom::real;
+use crate::color::{Spectrum, color_matching};
 
 /// How many bands there are: enough for a rainbow without steps.
 pub(crate) const BANDS: usize = 15;
@@ -111,15 +109,7 @@ impl Bands {
 
 /// How pure light of a wavelength looks, in linear sRGB, without what no screen can show.
 fn seen_as(wavelength_nm: f32) -> Spectrum {
-    let bell = |middle: f32, below: f32, above: f32| {
-        let t = (wavelength_nm - middle) * if wavelength_nm < middle { below } else { above };
-        real::exp(-0.5 * t * t)
-    };
-    // Wyman et al. 2013, listing 1.
-    let x = 1.056 * bell(599.8, 0.0264, 0.0323) + 0.362 * bell(442.0, 0.0624, 0.0374)
-        - 0.065 * bell(501.1, 0.0490, 0.0382);
-    let y = 0.821 * bell(568.8, 0.0213, 0.0247) + 0.286 * bell(530.9, 0.0613, 0.0322);
-    let z = 1.217 * bell(437.0, 0.0845, 0.0278) + 0.681 * bell(459.0, 0.0385, 0.0725);
+    let [x, y, z] = color_matching(wavelength_nm);
     // IEC 61966-2-1.
     let rgb = [
         3.2406 * x - 1.5372 * y - 0.4986 * z,

@@ -270,8 +270,8 @@ pub(crate) fn is_native(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Whether a file is a glTF document or a scene of pbrt, by its name: no scene can name it as what it is, with lights and
-/// cameras.
+/// Whether a file is a glTF document or a scene of pbrt, by its name: no scene can name it as what it
+/// is, with lights and cameras.
 fn is_document(file: &Path) -> bool {
     let extension = file.extension().unwrap_or_default();
     ["gltf", "glb", "pbrt"].iter().any(|name| extension.eq_ignore_ascii_case(name))

@@ -1,5 +1,6 @@
 //! Pictures as formats for displays hold them: codes of 8 or 16 bits.
 
+use ::image::{ColorType, ImageDecoder};
 use rutilant::display::linear_from_srgb;
 use rutilant::image::{Channel, Image};
 use rutilant::texture::{Bitmap, Texels};
@@ -30,6 +31,22 @@ pub(super) enum Samples {
 }
 
 impl Codes {
+    /// What a decoder gives, whose sizes are checked, in 8 bits.
+    pub(super) fn decoded(decoder: impl ImageDecoder) -> Result<Self, String> {
+        let (width, height) = decoder.dimensions();
+        let channels = match decoder.color_type() {
+            ColorType::L8 => 1,
+            ColorType::La8 => 2,
+            ColorType::Rgb8 => 3,
+            ColorType::Rgba8 => 4,
+            other => return Err(format!("pixels of type {other:?} are not read")),
+        };
+        let total = usize::try_from(decoder.total_bytes()).map_err(|e| e.to_string())?;
+        let mut buffer = vec![0; total];
+        decoder.read_image(&mut buffer).map_err(|e| e.to_string())?;
+        Ok(Self { width, height, channels, samples: Samples::Eight(buffer) })
+    }
+
     /// The light that the codes stand for, taken as sRGB but for opacity, in channels `Y` or `R`,
     /// `G`, `B`, and `A`. `None` where the samples do not fit the size.
     pub(super) fn light(&self) -> Option<Image> {

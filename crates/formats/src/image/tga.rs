@@ -3,10 +3,10 @@
 //! Source: Truevision, *TGA File Format Specification*, version 2.0, 1991.
 
 use super::check;
-use super::codes::{Codes, Samples};
+use super::codes::Codes;
 use crate::limits::Limits;
+use ::image::ImageDecoder;
 use ::image::codecs::tga::TgaDecoder;
-use ::image::{ColorType, ImageDecoder};
 use std::io::Cursor;
 
 /// A run of 128 pixels takes two bytes where a pixel has one.
@@ -24,16 +24,5 @@ pub(super) fn read(bytes: &[u8], limits: &Limits) -> Result<Codes, String> {
     let mut allowed = ::image::Limits::no_limits();
     allowed.max_alloc = Some((1 << 20) + width * height * 16);
     decoder.set_limits(allowed).map_err(|e| e.to_string())?;
-    let (width, height) = decoder.dimensions();
-    let channels = match decoder.color_type() {
-        ColorType::L8 => 1,
-        ColorType::La8 => 2,
-        ColorType::Rgb8 => 3,
-        ColorType::Rgba8 => 4,
-        other => return Err(format!("pixels of type {other:?} are not read")),
-    };
-    let total = usize::try_from(decoder.total_bytes()).map_err(|e| e.to_string())?;
-    let mut buffer = vec![0; total];
-    decoder.read_image(&mut buffer).map_err(|e| e.to_string())?;
-    Ok(Codes { width, height, channels, samples: Samples::Eight(buffer) })
+    Codes::decoded(decoder)
 }

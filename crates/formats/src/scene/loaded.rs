@@ -131,11 +131,11 @@ impl LoadedScene {
 fn labels(cameras: &[AuthoredCamera]) -> Vec<String> {
     let mut known = HashSet::from([""]);
     let numbered = cameras.iter().zip(1_usize..);
-    let label = |(camera, number): (&'_ AuthoredCamera, usize), is_new: bool| match is_new {
-        true => shown(&camera.name),
+    let label = numbered.map(|(AuthoredCamera { name, .. }, number)| match known.insert(name) {
+        true => shown(name),
         false => format!("number {number}"),
-    };
-    numbered.map(|numbered| label(numbered, known.insert(&numbered.0.name))).collect()
+    });
+    label.collect()
 }
 
 /// What is said where a time is asked for in vain.

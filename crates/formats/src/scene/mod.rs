@@ -1,5 +1,6 @@
 //! Scenes from files: one file here for each kind.
 
+mod affine;
 pub(crate) mod bare;
 mod files;
 mod framing;

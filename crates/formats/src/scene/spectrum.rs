@@ -6,13 +6,9 @@
 //!
 //! Not for fluorescent lamps on strange pigments: two spectra of one colour are the same here.
 //!
-//! Source: the CIE 1931 observer as Wyman, Sloan and Shirley fit it ("Simple Analytic Approximations
-//! to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013, listing 1); IEC 61966-2-1; Planck's law;
-//! illuminants by CIE 15:2004.
+//! Source: IEC 61966-2-1; Planck's law; illuminants by CIE 15:2004.
 
-#![allow(dead_code, reason = "readers of several formats take what they need")]
-
-use rutilant::color::{Rgb, Spectrum};
+use rutilant::color::{Rgb, Spectrum, color_matching};
 use rutilant::material::Metal;
 use rutilant_geom::real;
 use std::sync::LazyLock;
@@ -68,16 +64,7 @@ static OBSERVER: LazyLock<Observer> = LazyLock::new(|| {
 
 /// The channels of linear sRGB for pure light of a wavelength; negative where no screen can show it.
 fn sensitivity(nm: f32) -> [f64; 3] {
-    let lobe = |middle: f32, below: f32, above: f32| {
-        let t = (nm - middle) * if nm < middle { below } else { above };
-        f64::from(real::exp(-0.5 * t * t))
-    };
-    // Wyman et al. 2013, listing 1.
-    let x = 0.362 * lobe(442.0, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323)
-        - 0.065 * lobe(501.1, 0.0490, 0.0382);
-    let y = 0.821 * lobe(568.8, 0.0213, 0.0247) + 0.286 * lobe(530.9, 0.0613, 0.0322);
-    let z = 1.217 * lobe(437.0, 0.0845, 0.0278) + 0.681 * lobe(459.0, 0.0385, 0.0725);
-    srgb_from_xyz([x, y, z])
+    srgb_from_xyz(color_matching(nm).map(f64::from))
 }
 
 /// Linear sRGB, by IEC 61966-2-1.
@@ -256,8 +243,8 @@ pub(crate) fn metal(symbol: &str) -> Option<[Rgb; 2]> {
         "CuZn" => return Some([[0.444, 0.527, 1.094], [3.695, 2.765, 1.829]].map(Rgb)),
         // Magnesia by Stephens and Malitson, 1952, and rutile by Devore, 1951, at the same: clear
         // crystals, whose surfaces reflect as these numbers say.
-        "MgO" => return Some([[1.734, 1.740, 1.751], [0.0; 3]].map(Rgb)),
-        "TiO2" => return Some([[2.577, 2.648, 2.806], [0.0; 3]].map(Rgb)),
+        "MgO" => return Some([[1.734, 1.740, 1.752], [0.0; 3]].map(Rgb)),
+        "TiO2" => return Some([[2.574, 2.648, 2.813], [0.0; 3]].map(Rgb)),
         _ => return None,
     };
     let conductor = metal.conductor(0.0);
@@ -336,7 +323,7 @@ pub(crate) fn illuminant(name: &str) -> Option<Rgb> {
         ("F7", 0.3129, 0.3292),
         ("F8", 0.3458, 0.3586),
         ("F9", 0.3741, 0.3727),
-        ("F10", 0.3458, 0.3588),
+        ("F10", 0.3461, 0.3599),
         ("F11", 0.3805, 0.3769),
         ("F12", 0.4370, 0.4042),
     ];

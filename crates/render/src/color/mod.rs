@@ -5,8 +5,10 @@
 //! authored value (an albedo, a tint, a radiance in a file), a [`Spectrum`] is
 //! what is traced, and the latter will one day hold wavelengths.
 
+mod observer;
 mod rgb;
 mod spectrum;
 
+pub use observer::color_matching;
 pub use rgb::Rgb;
 pub use spectrum::Spectrum;

@@ -12,7 +12,6 @@
 //! named in docs/gltf.md.
 
 mod accessor;
-mod affine;
 mod animation;
 mod document;
 mod draco;
@@ -29,7 +28,7 @@ mod store;
 mod texture;
 mod uri;
 
-pub use affine::Affine;
+pub use super::affine::Affine;
 pub use animation::{Animation, Channel, Interpolation, Target};
 pub use document::{Document, SceneRoots};
 pub use material::{

@@ -10,9 +10,9 @@
 //! `KHR_node_visibility`.
 
 use super::accessor::{Accessors, Whole};
-use super::affine::Affine;
 use super::entry::{Entry, Result};
 use super::mesh::{self, Mesh};
+use crate::scene::affine::Affine;
 use rutilant_geom::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};

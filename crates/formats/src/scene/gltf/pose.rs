@@ -7,12 +7,12 @@
 //! Source: Khronos Group, *glTF 2.0 Specification*, 2021, sections 3.7.2.2
 //! (morph targets) and 3.7.3 (skins).
 
-use super::affine::{Affine, double, single};
 use super::animation::Target;
 use super::document::Document;
 use super::mesh::Primitive;
 use super::node::{Parts, Placement, direction};
 use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::affine::{Affine, double, single};
 use rutilant_geom::{DVec3, Transform, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;

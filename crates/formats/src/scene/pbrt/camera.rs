@@ -16,11 +16,11 @@ use crate::camera::{
     AngleOfView, Aperture, AuthoredCamera, AuthoredLens, CameraKind, FocusOn, SENSOR_HEIGHT_MM,
 };
 use crate::error::{SceneError, SceneErrorKind};
-use crate::scene::gltf::Affine;
+use crate::scene::affine::{Affine, single};
 use crate::scene::nearest::nearest;
 use crate::shown::shown;
 use rutilant::settings::Crop;
-use rutilant_geom::{DVec3, Vec3, real};
+use rutilant_geom::{DVec3, real};
 
 const KINDS: [&str; 4] = ["perspective", "orthographic", "spherical", "environment"];
 
@@ -58,7 +58,6 @@ pub(super) fn read(
     let turned = transform::inverse(&ours_from_theirs(description)).unwrap_or(Affine::IDENTITY);
     let pose = *world * back * turned;
     let [_, up, behind] = pose.linear;
-    let single = |v: DVec3| Vec3::new(v.x as f32, v.y as f32, v.z as f32);
     let position = single(pose.translation);
     let direction = single(-behind / scale);
     // Far enough for the direction to be told by the difference of two points.

@@ -2,12 +2,11 @@
 
 use super::lexer::Place;
 use super::parameters::Parameters;
-use super::state::{AreaLight, Chosen};
-use crate::scene::gltf::Affine;
+use super::state::State;
+use crate::scene::affine::Affine;
 use rutilant::shape::Mesh;
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::rc::Rc;
 
 /// Everything that was said.
 #[derive(Default)]
@@ -75,13 +74,7 @@ pub(super) struct LightStatement {
 /// A shape with all that it found.
 pub(super) struct Placed {
     pub(super) form: Form,
-    /// World from object.
-    pub(super) map: Affine,
-    pub(super) reversed: bool,
-    pub(super) material: Chosen,
-    pub(super) area_light: Option<Rc<AreaLight>>,
-    pub(super) inside: Rc<str>,
-    pub(super) outside: Rc<str>,
+    pub(super) state: State,
     /// For its opacity.
     pub(super) parameters: Parameters,
     /// In how many parts pbrt takes it: each of them is a light of its own.

@@ -17,7 +17,7 @@ use super::state::AreaLight;
 use super::transform;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::image;
-use crate::scene::gltf::Affine;
+use crate::scene::affine::{Affine, single};
 use crate::scene::nearest::nearest;
 use crate::scene::origins::PictureOrigin;
 use crate::shown::shown;
@@ -165,7 +165,6 @@ impl Maker<'_> {
             };
             let (from, to) =
                 (point(parameters, "from", [0.0; 3])?, point(parameters, "to", [0.0, 0.0, 1.0])?);
-            let single = |v: DVec3| Vec3::new(v.x as f32, v.y as f32, v.z as f32);
             let (position, direction) =
                 (single(map.point(from)), single(map.vector(to - from).normalize_or_zero()));
             let power = parameters.number("power", self.texts)?.filter(|power| *power > 0.0);
@@ -280,7 +279,7 @@ impl Maker<'_> {
             }
         };
         let invalid = |what: String| self.texts.invalid(place, what);
-        let (read, origin) = match self.files.embedded(&name) {
+        let (read, mut origin) = match self.files.embedded(&name) {
             Some(bytes) => {
                 let read =
                     image::read_bytes(bytes, std::path::Path::new(&name), &self.options.limits);
@@ -295,7 +294,6 @@ impl Maker<'_> {
             }
         };
         let mut picture = read.map_err(|error| invalid(error.to_string()))?;
-        let mut origin = origin;
         if self.world.mirrors_sky {
             picture = mirrored(&picture);
             let bytes = image::to_exr(&picture).map_err(invalid)?;
@@ -308,13 +306,14 @@ impl Maker<'_> {
             self.note(place, "the picture of the sky is stretched: it is shown as it is");
         }
         let [r, g, b] = color.0;
-        let mut scale = scale * Spectrum::from(color).luminance();
-        if r != g || g != b {
+        let mut scale = scale;
+        if r == g && g == b {
+            scale *= r;
+        } else {
+            scale *= Spectrum::from(color).luminance();
             let what =
                 "the colour before the picture of the sky is left out, but for its luminance";
             self.note(place, what);
-        } else {
-            scale = scale / Spectrum::from(color).luminance().max(f32::MIN_POSITIVE) * r;
         }
         if let Some(lux) = lux {
             let seen = upper_illuminance(&picture, projection);

@@ -17,8 +17,8 @@ use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
 use crate::options::ReadOptions;
+use crate::scene::affine::Affine;
 use crate::scene::files::Files;
-use crate::scene::gltf::Affine;
 use crate::scene::nearest::nearest;
 use crate::shown::shown;
 use rutilant_geom::DVec3;
@@ -464,27 +464,13 @@ impl<'o> Parser<'o> {
         let parameters = parameters.with_defaults(&self.state.defaults[0]);
         self.check_objects(self.description.shapes.len() + 1, place)?;
         let Some((form, parts)) = shapes::read(&kind, &parameters, self)? else { return Ok(()) };
-        let State { map, reversed, material, area_light, inside, outside, .. } = self.state.clone();
+        let mut state = self.state.clone();
+        if self.object.is_some() && state.area_light.take().is_some() {
+            let what = "what is placed as an object does not glow: AreaLightSource is left out";
+            self.notes.say(&self.texts, place, what);
+        }
         let number = self.description.shapes.len();
-        let area_light = match &self.object {
-            Some(_) if area_light.is_some() => {
-                let what = "what is placed as an object does not glow: AreaLightSource is left out";
-                self.notes.say(&self.texts, place, what);
-                None
-            }
-            Some(_) | None => area_light,
-        };
-        self.description.shapes.push(Placed {
-            form,
-            map,
-            reversed,
-            material,
-            area_light,
-            inside,
-            outside,
-            parameters,
-            parts,
-        });
+        self.description.shapes.push(Placed { form, state, parameters, parts });
         match &self.object {
             Some(name) => self.description.objects.entry(name.clone()).or_default().push(number),
             None => self.description.free.push(number),
@@ -611,7 +597,7 @@ impl<'o> Parser<'o> {
 
     fn matrix(&self, lexer: &mut Lexer, of: &str, place: Place) -> Result<Affine, SceneError> {
         let numbers = self.numbers::<16>(lexer, of)?;
-        transform::columns(&numbers).ok_or_else(|| {
+        Affine::from_columns(&numbers).ok_or_else(|| {
             let what = format!(
                 "the matrix of {of} is not affine: its numbers 4, 8, 12 and 16 must be 0, 0, 0 and 1"
             );

@@ -17,10 +17,10 @@ use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::file;
 use crate::image;
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
+use crate::scene::affine::Affine;
 use crate::scene::bare;
 use crate::scene::files::Files;
 use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
-use crate::scene::gltf::Affine;
 use crate::scene::loaded::{LoadedScene, TextureName, camera_named};
 use crate::scene::nearest::nearest;
 use crate::scene::origins::{MeshOrigin, Origins, PictureOrigin};
@@ -263,12 +263,12 @@ impl<'d> Maker<'d> {
             let material = self.material(placed)?;
             let (shape, own) = match form {
                 Form::Mesh(mesh) => {
-                    let mesh = shapes::oriented(mesh, placed.reversed).0;
+                    let mesh = shapes::oriented(mesh, placed.state.reversed).0;
                     (Shape::Mesh(self.mesh(mesh, MeshOrigin::Made)), Affine::IDENTITY)
                 }
                 Form::File(number) => {
-                    let key = (number, placed.reversed);
-                    let id = match (known.get(&key), known.get(&(number, !placed.reversed))) {
+                    let key = (number, placed.state.reversed);
+                    let id = match (known.get(&key), known.get(&(number, !placed.state.reversed))) {
                         (Some(id), _) => *id,
                         (None, Some(other)) => {
                             let other = self.scene.meshes[other.0 as usize].clone();
@@ -277,13 +277,14 @@ impl<'d> Maker<'d> {
                         (None, None) => {
                             let Some(read) = files[number].take() else { continue };
                             self.notes_of_file(&read.notes);
-                            let origin =
-                                ply.file(number).filter(|_| read.as_it_is && !placed.reversed);
+                            let origin = ply
+                                .file(number)
+                                .filter(|_| read.as_it_is && !placed.state.reversed);
                             let origin = origin.map_or(MeshOrigin::Made, |path| MeshOrigin::File {
                                 path,
                                 crease: None,
                             });
-                            let mesh = match placed.reversed {
+                            let mesh = match placed.state.reversed {
                                 true => shapes::oriented(read.mesh, true).0,
                                 false => read.mesh,
                             };
@@ -294,8 +295,8 @@ impl<'d> Maker<'d> {
                     (Shape::Mesh(id), Affine::IDENTITY)
                 }
                 Form::Sphere { radius } => {
-                    let round = transform::uniform_scale(&placed.map).is_some();
-                    if round && !placed.reversed {
+                    let round = transform::uniform_scale(&placed.state.map).is_some();
+                    if round && !placed.state.reversed {
                         // pbrt's poles lie on z, and its longitude begins at +x.
                         let linear = [DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X];
                         let turned = Affine { linear, translation: DVec3::ZERO };
@@ -304,20 +305,20 @@ impl<'d> Maker<'d> {
                     } else {
                         let right = std::f32::consts::FRAC_PI_2;
                         let mesh = shapes::sphere(radius, [-right, right], 360.0);
-                        let mesh = shapes::oriented(mesh, placed.reversed).0;
+                        let mesh = shapes::oriented(mesh, placed.state.reversed).0;
                         (Shape::Mesh(self.mesh(mesh, MeshOrigin::Made)), Affine::IDENTITY)
                     }
                 }
                 Form::Disk { radius, height } => {
                     let mut own = transform::translate(DVec3::Z * f64::from(height));
-                    if placed.reversed {
+                    if placed.state.reversed {
                         own = own * transform::scale(DVec3::new(1.0, -1.0, -1.0));
                     }
                     (Shape::Disk { radius }, own)
                 }
             };
             placed.parameters.tell_unused(self.texts, &mut self.notes);
-            ready.push(Ready { shape, material, own: placed.map * own });
+            ready.push(Ready { shape, material, own: placed.state.map * own });
         }
         Ok(ready)
     }
@@ -335,10 +336,10 @@ impl<'d> Maker<'d> {
 
     /// The scene's material for a shape.
     fn material(&mut self, placed: &Placed) -> Result<MaterialId, SceneError> {
-        let which = self.which(&placed.material)?;
-        let media = [&placed.inside, &placed.outside].map(ToString::to_string);
+        let which = self.which(&placed.state.material)?;
+        let media = [&placed.state.inside, &placed.state.outside].map(ToString::to_string);
         let alpha = self.alpha(placed)?;
-        let parts = placed.area_light.as_ref().map(|light| {
+        let parts = placed.state.area_light.as_ref().map(|light| {
             let told = light.parameters.get("power").is_some();
             (light.number, if told { placed.parts } else { 1 })
         });
@@ -351,7 +352,7 @@ impl<'d> Maker<'d> {
         let mut material = match self.looks.get(&look) {
             Some(material) => material.clone(),
             None => {
-                let made = self.look(which, [&placed.inside, &placed.outside])?;
+                let made = self.look(which, [&placed.state.inside, &placed.state.outside])?;
                 self.looks.insert(look, made.clone());
                 made
             }
@@ -359,7 +360,7 @@ impl<'d> Maker<'d> {
         if !opaque {
             self.open(&mut material, &alpha);
         }
-        if let (Some(light), Some((_, parts))) = (&placed.area_light, parts) {
+        if let (Some(light), Some((_, parts))) = (&placed.state.area_light, parts) {
             material.emission = self.emission(light, parts)?;
         }
         let place = match which {

@@ -2,7 +2,7 @@
 
 use super::lexer::Place;
 use super::parameters::{Parameter, Parameters};
-use crate::scene::gltf::Affine;
+use crate::scene::affine::Affine;
 use std::rc::Rc;
 
 /// Which material a shape has.

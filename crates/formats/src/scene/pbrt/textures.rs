@@ -147,11 +147,7 @@ impl Maker<'_> {
         name: &str,
         default: Rgb,
     ) -> Result<Texel, SceneError> {
-        let Some(parameter) = parameters.get(name) else { return Ok(Texel::constant(default)) };
-        match told(parameters, parameter, self.library())? {
-            Some(told) => Ok(Texel::constant(told.reflectance())),
-            None => self.texture_of(parameters, parameter, true),
-        }
+        self.value(parameters, name, default, true)
     }
 
     /// A number that a parameter tells, or `default`.
@@ -161,10 +157,20 @@ impl Maker<'_> {
         name: &str,
         default: f32,
     ) -> Result<Texel, SceneError> {
-        let Some(parameter) = parameters.get(name) else { return Ok(Texel::number(default)) };
+        self.value(parameters, name, Rgb::grey(default), false)
+    }
+
+    fn value(
+        &mut self,
+        parameters: &Parameters,
+        name: &str,
+        default: Rgb,
+        colors: bool,
+    ) -> Result<Texel, SceneError> {
+        let Some(parameter) = parameters.get(name) else { return Ok(Texel::constant(default)) };
         match told(parameters, parameter, self.library())? {
             Some(told) => Ok(Texel::constant(told.reflectance())),
-            None => self.texture_of(parameters, parameter, false),
+            None => self.texture_of(parameters, parameter, colors),
         }
     }
 

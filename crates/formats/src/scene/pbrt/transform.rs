@@ -1,6 +1,6 @@
 //! The maps that statements multiply, in double precision.
 
-use crate::scene::gltf::Affine;
+use crate::scene::affine::Affine;
 use rutilant_geom::{DVec3, real};
 
 /// Moves.
@@ -32,13 +32,6 @@ pub(super) fn look_at(eye: DVec3, at: DVec3, up: DVec3) -> Option<Affine> {
     let right = up.try_normalize()?.cross(forward).try_normalize()?;
     let up = forward.cross(right);
     inverse(&Affine { linear: [right, up, forward], translation: eye })
-}
-
-/// Column by column: pbrt writes matrices transposed. `None` where the last row is not 0 0 0 1.
-pub(super) fn columns(m: &[f32; 16]) -> Option<Affine> {
-    let is_affine = [m[3], m[7], m[11], m[15] - 1.0].iter().all(|x| x.abs() <= 1e-5);
-    let column = |i: usize| DVec3::new(m[i].into(), m[i + 1].into(), m[i + 2].into());
-    is_affine.then(|| Affine { linear: [column(0), column(4), column(8)], translation: column(12) })
 }
 
 /// The map back; `None` where space is flattened.

@@ -20,11 +20,11 @@ impl Affine {
         Self { linear: [DVec3::X, DVec3::Y, DVec3::Z], translation: DVec3::ZERO };
 
     /// Everything to the origin: what sums of [`scaled`](Self::scaled) maps begin with.
-    pub(super) const ZERO: Self = Self { linear: [DVec3::ZERO; 3], translation: DVec3::ZERO };
+    pub(crate) const ZERO: Self = Self { linear: [DVec3::ZERO; 3], translation: DVec3::ZERO };
 
     /// From 16 numbers, column by column. `None` where the last row is not 0 0 0 1, within what
     /// exporters round.
-    pub(super) fn from_columns(m: &[f32; 16]) -> Option<Self> {
+    pub(crate) fn from_columns(m: &[f32; 16]) -> Option<Self> {
         let is_affine = [m[3], m[7], m[11], m[15] - 1.0].iter().all(|x| x.abs() <= 1e-5);
         let column = |i: usize| DVec3::new(m[i].into(), m[i + 1].into(), m[i + 2].into());
         is_affine
@@ -32,7 +32,7 @@ impl Affine {
     }
 
     /// Scales, then turns by a quaternion (x, y, z, w) of any length but zero, then moves.
-    pub(super) fn from_parts(translation: Vec3, rotation: [f32; 4], scale: Vec3) -> Self {
+    pub(crate) fn from_parts(translation: Vec3, rotation: [f32; 4], scale: Vec3) -> Self {
         let [x, y, z, w] = rotation.map(f64::from);
         let twice = 2.0 / (x * x + y * y + z * z + w * w);
         // The matrix of a quaternion: Shoemake, *Animating Rotation with Quaternion Curves*,
@@ -69,7 +69,7 @@ impl Affine {
     }
 
     /// All numbers times `factor`.
-    pub(super) fn scaled(&self, factor: f64) -> Self {
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self {
             linear: self.linear.map(|axis| axis * factor),
             translation: self.translation * factor,
@@ -77,7 +77,7 @@ impl Affine {
     }
 
     /// The sum, number by number.
-    pub(super) fn plus(&self, other: &Self) -> Self {
+    pub(crate) fn plus(&self, other: &Self) -> Self {
         let [x, y, z] = self.linear;
         let [ox, oy, oz] = other.linear;
         Self { linear: [x + ox, y + oy, z + oz], translation: self.translation + other.translation }
@@ -104,11 +104,11 @@ impl std::ops::Mul for Affine {
     }
 }
 
-pub(super) fn double(v: Vec3) -> DVec3 {
+pub(crate) fn double(v: Vec3) -> DVec3 {
     DVec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 
-pub(super) fn single(v: DVec3) -> Vec3 {
+pub(crate) fn single(v: DVec3) -> Vec3 {
     Vec3::new(v.x as f32, v.y as f32, v.z as f32)
 }
 
