@@ -138,11 +138,12 @@ impl Connection {
     ) -> Result<Viewer, Failure> {
         let Self { stream, address } = self;
         let shared = Arc::new(Shared { state: Mutex::default(), changed: Condvar::new() });
+        // Made here, for a short rendering may be over before the thread begins.
+        let first = create(&name, &session.snapshot());
         let (theirs, session) = (Arc::clone(&shared), Arc::downgrade(session));
         let send = move || {
-            let end = show(stream, &name, &session, threads, &theirs).map_err(|error| match error
-                .kind()
-            {
+            let end = show(stream, &name, &first, &session, threads, &theirs);
+            let end = end.map_err(|error| match error.kind() {
                 // How systems say that a time limit is over.
                 ErrorKind::WouldBlock | ErrorKind::TimedOut => {
                     format!("it has taken nothing for {} s", STALL.as_secs())
@@ -211,10 +212,11 @@ impl Shared {
     }
 }
 
-/// Sends pictures of `session` until the last one has arrived.
+/// Sends the packet `first`, and pictures of `session` until the last one has arrived.
 fn show(
     mut stream: TcpStream,
     name: &str,
+    first: &[u8],
     session: &Weak<Session>,
     threads: usize,
     shared: &Shared,
@@ -226,9 +228,7 @@ fn show(
     stream.set_read_timeout(Some(STALL))?;
 
     // A black image of the right size shows that the viewer has been found.
-    if let Some(session) = session.upgrade() {
-        stream.write_all(&create(name, &session.snapshot()))?;
-    }
+    stream.write_all(first)?;
 
     // Pictures on the way, at moments that are worth it. What is left of one when the last is
     // there would only be painted over.
