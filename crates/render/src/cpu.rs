@@ -1,10 +1,10 @@
 //! Passes over the film: tiles shared out among threads, the same bits for any number of them.
 
 use crate::camera::PreparedCamera;
-use crate::film::{Crop, Film, FilterSampler, Splat, Splats, Tile};
+use crate::film::{Crop, Film, FilterSampler, Layers, Sample, Splat, Splats, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Caustics, Depth, Direct, Integrator, Naive, Normals, Optimal, Path,
-    Starts, dimension,
+    Albedo, AmbientOcclusion, Caustics, Depth, Direct, Found, Integrator, Naive, Normals, Optimal,
+    Path, Starts, View, dimension,
 };
 use crate::light::EmitterSelection;
 use crate::math::{from_morton, morton};
@@ -38,6 +38,8 @@ impl Counters {
 struct Eye<'a> {
     camera: &'a PreparedCamera,
     filter: &'a FilterSampler,
+    /// What is asked about its paths beside their light.
+    view: Option<&'a View>,
 }
 
 /// So many samples of a tile's pixels are on their way together. Those of a pixel follow each other:
@@ -70,7 +72,9 @@ impl Rendering<'_> {
         let tree = || Some((self.scene.light_tree()?, self.scene.surfaces().level()));
         let camera = self.scene.focused_camera(settings.size);
         let filter = FilterSampler::new(&settings.filter);
-        let eye = Eye { camera: &camera, filter: &filter };
+        let layers = settings.kept_layers();
+        let view = (layers != Layers::NONE).then(|| View::new(&self.scene.camera, layers));
+        let eye = Eye { camera: &camera, filter: &filter, view: view.as_ref() };
         match settings.integrator {
             IntegratorKind::Path => {
                 let path = Path {
@@ -211,14 +215,14 @@ impl Rendering<'_> {
         index: usize,
         until_sample: u64,
         integrator: &I,
-        Eye { camera, filter }: Eye<'_>,
+        Eye { camera, filter, view }: Eye<'_>,
     ) {
         let settings = self.settings;
         let Tile { area, next_sample: mut next, .. } = *self.film.tile(index);
         let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
         let (mut rays, mut paths) = (0, 0);
         let mut starts = Vec::<Starts<S>>::new();
-        let (mut weights, mut found) = (Vec::new(), Vec::new());
+        let (mut weights, mut found) = (Vec::new(), Found::default());
         while next < until_sample && !self.stop.load(Ordering::Relaxed) {
             let until = until_sample.min(next + SAMPLES_AT_ONCE);
             let samples = next..until;
@@ -227,7 +231,6 @@ impl Rendering<'_> {
             let places: Vec<([u32; 2], u64)> = places.collect();
             starts.clear();
             weights.clear();
-            found.clear();
             with_vectors!(
                 self.scene.surfaces().level(),
                 simd => for places in places.chunks(LANES) {
@@ -241,13 +244,17 @@ impl Rendering<'_> {
                     weights.push(weight);
                 }
             );
-            integrator.estimates(self.scene, &starts, &mut found, &mut rays);
+            integrator.estimates(self.scene, &starts, view, &mut found, &mut rays);
             let weights = weights.iter().flatten();
             let mut tile = self.film.tile(index);
-            for ((&(pixel, sample), &(radiance, control)), &weight) in
-                places.iter().zip(&found).zip(weights)
-            {
-                self.film.add(&mut tile, pixel, sample, radiance * weight, control * weight);
+            for (i, (&(pixel, number), &weight)) in places.iter().zip(weights).enumerate() {
+                let sample = Sample { pixel, number, weight };
+                let (radiance, control) = (found.radiance[i], found.controls[i]);
+                self.film.add(&mut tile, &sample, radiance, control, found.parts.get(i));
+                if let Some(first) = found.firsts.get(i) {
+                    let wanted = starts[i / LANES].albedos >> (i % LANES) & 1 == 1;
+                    tile.look(&sample, first.as_ref(), wanted);
+                }
             }
             paths += places.len() as u64;
             tile.next_sample = until;
@@ -288,7 +295,7 @@ fn starts_of<V: Simd, S: Sampler>(
     for lane in places.len()..LANES {
         rays.t_max[lane] = RayPacket::NONE.t_max[lane];
     }
-    (Starts { rays, samplers }, weight)
+    (Starts { rays, samplers, albedos: albedos_of(places) }, weight)
 }
 
 /// The same without vector instructions.
@@ -307,7 +314,18 @@ fn starts_one_by_one<S: Sampler>(
         rays.set(lane, &camera.ray(Vec2::new(x[lane], y[lane]) + offset, lens));
         weights[lane] = weight;
     }
-    (Starts { rays, samplers }, weights)
+    (Starts { rays, samplers, albedos: albedos_of(places) }, weights)
+}
+
+/// The samples whose albedos count, a bit for each: the first of each pixel, and one in four of those
+/// after them. Albedos hardly differ within a pixel, and those of films take long.
+#[inline(always)]
+fn albedos_of(places: &[([u32; 2], u64)]) -> u32 {
+    /// So many samples tell nearly all of it.
+    const ENOUGH: u64 = 16;
+    let counts = |number: u64| number < ENOUGH || number.is_multiple_of(4);
+    let each = places.iter().enumerate().take(LANES);
+    each.fold(0, |all, (lane, &(_, number))| all | u32::from(counts(number)) << lane)
 }
 
 /// The middles of the pixels, and the numbers of their samples.

@@ -1,12 +1,51 @@
 //! What every integrator does.
 
 use super::caustics::Caustics;
+use super::first::{First, View};
 use super::packet::Starts;
 use crate::color::Spectrum;
+use crate::film::Layer;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;
 use rutilant_geom::lanes::LANES;
+
+/// What came of many starts, eight for each packet, in their order.
+#[derive(Default)]
+pub(crate) struct Found {
+    pub(crate) radiance: Vec<Spectrum>,
+    /// See [`Integrator::controlled`].
+    pub(crate) controls: Vec<f32>,
+    /// Of the radiance what was seen without a bounce, and that with what came after one; empty where
+    /// it is not asked for.
+    pub(crate) parts: Vec<[Spectrum; 2]>,
+    /// What each camera ray met first; empty where it is not asked for.
+    pub(crate) firsts: Vec<Option<First>>,
+}
+
+impl Found {
+    /// Room for so many starts, all black.
+    fn clear(&mut self, count: usize, view: Option<&View>) {
+        let asked = |asked: fn(&View) -> bool| if view.is_some_and(asked) { count } else { 0 };
+        self.radiance.clear();
+        self.controls.clear();
+        self.parts.clear();
+        self.firsts.clear();
+        self.radiance.resize(count, Spectrum::BLACK);
+        self.controls.resize(count, 0.0);
+        self.parts.resize(asked(|view| view.layers.has(Layer::Light)), [Spectrum::BLACK; 2]);
+        self.firsts.resize(asked(|view| view.layers.look()), None);
+    }
+}
+
+/// What came of one start, with what is asked about it.
+pub(crate) struct Watched {
+    pub(crate) radiance: Spectrum,
+    pub(crate) control: f32,
+    /// As in [`Found`].
+    pub(crate) parts: [Spectrum; 2],
+    pub(crate) first: Option<First>,
+}
 
 /// Gives the radiance that one ray brings, estimated once.
 pub(crate) trait Integrator: Sync {
@@ -20,38 +59,49 @@ pub(crate) trait Integrator: Sync {
         rays: &mut u64,
     ) -> Spectrum;
 
-    /// What [`controlled`](Self::controlled) gives for each start, eight for each packet, in their
-    /// order.
+    /// What [`controlled`](Self::controlled) gives for each start, or [`watched`](Self::watched)
+    /// where there is a `view`.
     fn estimates<S: Sampler>(
         &self,
         scene: &Prepared,
         starts: &[Starts<S>],
-        found: &mut Vec<(Spectrum, f32)>,
+        view: Option<&View>,
+        found: &mut Found,
         rays: &mut u64,
     ) {
-        let mut radiance = vec![Spectrum::BLACK; starts.len() * LANES];
-        if self.trace_together(scene, starts, &mut radiance, rays) {
-            found.extend(radiance.into_iter().map(|radiance| (radiance, 0.0)));
+        found.clear(starts.len() * LANES, view);
+        if self.trace_together(scene, starts, view, found, rays) {
             return;
         }
-        for Starts { rays: first, samplers } in starts {
-            found.extend(samplers.iter().enumerate().map(|(lane, sampler)| {
-                if first.is_there(lane) {
-                    self.controlled(scene, first.ray(lane), sampler, rays)
-                } else {
-                    (Spectrum::BLACK, 0.0)
+        for (i, Starts { rays: first, samplers, albedos }) in starts.iter().enumerate() {
+            for (lane, sampler) in samplers.iter().enumerate().filter(|(l, _)| first.is_there(*l)) {
+                let (slot, ray) = (i * LANES + lane, first.ray(lane));
+                let Some(view) = view else {
+                    (found.radiance[slot], found.controls[slot]) =
+                        self.controlled(scene, ray, sampler, rays);
+                    continue;
+                };
+                let view = (view, albedos >> lane & 1 == 1);
+                let watched = self.watched(scene, ray, sampler, view, rays);
+                (found.radiance[slot], found.controls[slot]) = (watched.radiance, watched.control);
+                if let Some(parts) = found.parts.get_mut(slot) {
+                    *parts = watched.parts;
                 }
-            }));
+                if let Some(first) = found.firsts.get_mut(slot) {
+                    *first = watched.first;
+                }
+            }
         }
     }
 
-    /// Finds the radiance of all starts at once, if the integrator can do that in this scene, with
+    /// Finds what is asked of all starts at once, if the integrator can do that in this scene, with
     /// the bits that each would bring alone; false if it cannot.
     fn trace_together<S: Sampler>(
         &self,
         _: &Prepared,
         _: &[Starts<S>],
-        _: &mut [Spectrum],
+        _: Option<&View>,
+        _: &mut Found,
         _: &mut u64,
     ) -> bool {
         false
@@ -67,6 +117,20 @@ pub(crate) trait Integrator: Sync {
         rays: &mut u64,
     ) -> (Spectrum, f32) {
         (self.radiance(scene, ray, sampler, rays), 0.0)
+    }
+
+    /// The same with what is asked besides, and whether that is an albedo. Integrators that know no parts of light tell none.
+    fn watched<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        (view, wants_albedo): (&View, bool),
+        rays: &mut u64,
+    ) -> Watched {
+        let first = view.along(scene, ray, wants_albedo, rays);
+        let (radiance, control) = self.controlled(scene, ray, sampler, rays);
+        Watched { radiance, control, parts: [Spectrum::BLACK; 2], first }
     }
 
     /// How light paths share the work, if they do.

@@ -5,6 +5,7 @@ use crate::bsdf::{BsdfSamples, Scattering};
 use crate::color::Spectrum;
 use crate::integrator::Caustics;
 use crate::integrator::emission::SeenEmission;
+use crate::integrator::first::{First, View};
 use crate::interaction::SurfaceInteraction;
 use crate::lanes::bits;
 use crate::medium::{Border, Media};
@@ -203,6 +204,35 @@ impl<'p> MetPacket<'p> {
             return Some(at(&self.albedo, lane).to_array().into());
         }
         Some(self.materials[lane]?.bsdf.albedo())
+    }
+
+    /// Tells what the camera rays `there` met first.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
+    pub(super) fn tell_firsts(
+        &self,
+        scene: &Prepared,
+        view: &View,
+        albedos: u32,
+        rays: &RayPacket,
+        there: u32,
+        slot: &[u32; LANES],
+        firsts: &mut [Option<First>],
+    ) {
+        for lane in each_lane(there & !self.sky) {
+            if let (Some(first), Some(hit)) =
+                (firsts.get_mut(slot[lane] as usize), self.hits.hit(lane))
+            {
+                let black = self.black >> lane & 1 == 1;
+                let albedo = || match self.albedo_of(lane) {
+                    Some(albedo) if !black => albedo,
+                    Some(_) | None => Spectrum::BLACK,
+                };
+                let (normal, wo) = (at(&self.shading_normal, lane), -at(&rays.direction, lane));
+                let wanted = albedos >> lane & 1 == 1;
+                *first = Some(view.first(scene, &hit, normal, wo, wanted.then_some(albedo)));
+            }
+        }
     }
 
     /// The points themselves, seen along the directions of `rays`.
