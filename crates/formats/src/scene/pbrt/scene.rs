@@ -11,7 +11,6 @@ use super::parser::Parser;
 use super::shapes::{self, PlyFiles};
 use super::spectra::{Library, told};
 use super::textures::{Change, Texel};
-use super::transform;
 use crate::camera::AuthoredCamera;
 use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::file;
@@ -60,7 +59,7 @@ pub(crate) fn read_bytes(
     let mut film = Film::read(&description, &texts, &mut notes, options)?;
     let mut settings = film::settings(&description, &texts, &mut notes)?;
     let eye = description.camera.as_ref().map_or(Affine::IDENTITY, |eye| eye.map);
-    let mirrored = transform::mirrors(&(camera::ours_from_theirs(&description) * eye));
+    let mirrored = (camera::ours_from_theirs(&description) * eye).mirrors();
     let world = World::of(lights::sky_statement(&description.lights), mirrored);
     let authored = camera::read(&description, &mut film, &world.map, &texts, &mut notes)?;
     (settings.size, settings.crop) = (film.size, film.crop);
@@ -295,7 +294,7 @@ impl<'d> Maker<'d> {
                     (Shape::Mesh(id), Affine::IDENTITY)
                 }
                 Form::Sphere { radius } => {
-                    let round = transform::uniform_scale(&placed.state.map).is_some();
+                    let round = placed.state.map.uniform_scale().is_some();
                     if round && !placed.state.reversed {
                         // pbrt's poles lie on z, and its longitude begins at +x.
                         let linear = [DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X];
@@ -310,9 +309,9 @@ impl<'d> Maker<'d> {
                     }
                 }
                 Form::Disk { radius, height } => {
-                    let mut own = transform::translate(DVec3::Z * f64::from(height));
+                    let mut own = Affine::translate(DVec3::Z * f64::from(height));
                     if placed.state.reversed {
-                        own = own * transform::scale(DVec3::new(1.0, -1.0, -1.0));
+                        own = own * Affine::scale(DVec3::new(1.0, -1.0, -1.0));
                     }
                     (Shape::Disk { radius }, own)
                 }
