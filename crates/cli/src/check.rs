@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Scenes to read: .toml, .gltf, .glb, .pbrt, .obj, .ply
+    /// Scenes to read: .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     #[command(flatten)]

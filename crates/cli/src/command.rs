@@ -59,7 +59,7 @@ fn unknown(word: &str) -> String {
     match nearest(word) {
         Some(name) => format!("no command \"{word}\"; did you mean \"{name}\"?"),
         None => format!(
-            "no command \"{word}\"; commands are {}; scenes end in .toml, .gltf, .glb, .pbrt, .obj or .ply",
+            "no command \"{word}\"; commands are {}; scenes end in .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply or .stl",
             names().join(", ")
         ),
     }

@@ -19,7 +19,7 @@ Exit status: 0 done, 1 the disk does not take the files, 2 bad usage or a scene 
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The scene to read: .toml, .gltf, .glb, .pbrt, .obj, .ply
+    /// The scene to read: .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl
     scene: PathBuf,
     /// The scene to write: .toml; its folder must be there
     to: PathBuf,

@@ -20,7 +20,7 @@ use std::time::Duration;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A scene: .toml, .gltf, .glb, .pbrt, .obj, .ply; the built-in glass cube if none is named
+    /// A scene: .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl; the built-in glass cube if none is named
     scene: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,

@@ -37,6 +37,10 @@ pub(crate) struct Reading {
     #[arg(long, value_name = "SECONDS", help_heading = READING, allow_hyphen_values = true,
           value_parser = options::finite)]
     pub at_time: Option<f32>,
+    /// Let $NAME stand for this value (Mitsuba); may be repeated
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", help_heading = READING,
+          value_parser = options::parameter)]
+    pub parameters: Vec<(String, String)>,
     /// See the scene by the camera of this name or number, not by the first one; "auto" is one that
     /// sees everything
     #[arg(long, value_name = "NAME|N|auto", help_heading = READING, value_parser = options::camera)]
@@ -87,6 +91,7 @@ pub(crate) fn read(
         strict: reading.strict,
         variant: reading.variant.as_deref(),
         at_time: reading.at_time,
+        parameters: &reading.parameters,
         size,
         camera: reading.camera.as_ref().unwrap_or_default(),
         sky: reading.environment.as_ref().unwrap_or_default(),

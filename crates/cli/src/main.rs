@@ -77,11 +77,12 @@ Examples:
   rutilant kitchen.toml -o a.exr -o a.png   full radiance for editing, and a picture to look at
   rutilant kitchen.toml --time 60s          as many samples as a minute allows, one pass at least
   rutilant dragon.ply --size 1920x1080      a bare mesh, under an even sky
+  rutilant box.xml -D spp=256               a Mitsuba scene, with another $spp than its own
   rutilant check kitchen.toml               is the scene all right?
   rutilant compare a.exr reference.exr      how far is it from the truth?
   rutilant convert model.glb model.toml     as a scene in text, to go on with
 
-Scenes: .toml (docs/scene-format.md), .gltf, .glb (docs/gltf.md), .pbrt (docs/pbrt.md), .obj, .ply. Images: .exr, .hdr, .pfm, .png, .jpg; .webp and .tga are only read.
+Scenes: .toml (docs/scene-format.md), .gltf, .glb (docs/gltf.md), .pbrt (docs/pbrt.md), .xml (Mitsuba; docs/mitsuba.md), .obj, .ply, .stl. Images: .exr, .hdr, .pfm, .png, .jpg; .webp and .tga are only read.
 Exit status: 0 done, 1 failed, 2 bad usage or bad scene, 130 interrupted.";
 
 fn main() -> ExitCode {

@@ -128,6 +128,16 @@ pub(crate) fn layers(text: &str) -> Result<Layers, String> {
     text.split(',').map(layer).collect()
 }
 
+/// `spp=64`: the name of a parameter of a scene, and what it stands for.
+pub(crate) fn parameter(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.to_owned()))
+        }
+        Some(_) | None => Err("write it as NAME=VALUE, like spp=64".to_owned()),
+    }
+}
+
 /// The name of a camera, its number, or `auto`.
 pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
     match text {
@@ -434,6 +444,17 @@ mod tests {
         assert_eq!(sky("nan.hdr"), Ok(SkyChoice::Picture("nan.hdr".into())));
         for wrong in ["nan", "inf", "-1", "1,2", "1,nan,1", "1,1,-inf", "2e18"] {
             assert!(sky(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn parameters_are_names_and_values() {
+        let pair = |name: &str, value: &str| Ok((name.to_owned(), value.to_owned()));
+        assert_eq!(parameter("spp=64"), pair("spp", "64"));
+        assert_eq!(parameter("file=a=b.png"), pair("file", "a=b.png"));
+        assert_eq!(parameter("x="), pair("x", ""));
+        for wrong in ["", "spp", "=64", " =1"] {
+            assert!(parameter(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -38,7 +38,7 @@ Ctrl-C finishes the pass and writes the image; a second Ctrl-C stops at once.";
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A scene: .toml, .gltf, .glb, .pbrt, .obj, .ply; the built-in glass cube if none is named
+    /// A scene: .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl; the built-in glass cube if none is named
     scene: Option<PathBuf>,
     /// An image to write: .exr, .hdr, .pfm (scene-linear), .png, .jpg (for eyes); may be repeated
     /// [default: the scene's name with .png, in the current folder]

@@ -22,7 +22,7 @@ F1 shows the keys, P prints the camera as TOML, Escape closes the window.";
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// A scene: .toml, .gltf, .glb, .pbrt, .obj, .ply; the built-in glass cube if none is named
+    /// A scene: .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl; the built-in glass cube if none is named
     scene: Option<PathBuf>,
     /// Samples per pixel after which the picture is done
     #[arg(long, value_name = "N", help_heading = PICTURE, value_parser = options::count::<u64>, allow_hyphen_values = true)]
@@ -104,6 +104,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         strict: args.reading.strict,
         variant: args.reading.variant.clone(),
         at_time: args.reading.at_time,
+        parameters: args.reading.parameters.clone(),
         camera: args.reading.camera.clone().unwrap_or_default(),
         sky: args.reading.environment.clone().unwrap_or_default(),
         size,

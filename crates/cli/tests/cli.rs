@@ -527,6 +527,36 @@ fn cameras_are_chosen_by_name() {
     }
 }
 
+/// `-D` gives a Mitsuba scene its parameters, in all modes; a furnace of radiance 2 around a ball that
+/// sends back half of what it gets shows the ball as 1, and the sky as 2.
+#[test]
+fn parameters_are_given() {
+    let desk = Desk::new();
+    let scene = "<scene version=\"3.0.0\"><default name=\"light\" value=\"1\"/><sensor \
+        type=\"orthographic\"><transform name=\"to_world\"><lookat origin=\"0 0 5\" target=\"0 0 0\" \
+        up=\"0 1 0\"/></transform><film type=\"hdrfilm\"><integer name=\"width\" value=\"$size\"/>\
+        <integer name=\"height\" value=\"5\"/><rfilter type=\"box\"/></film></sensor><emitter \
+        type=\"constant\"><rgb name=\"radiance\" value=\"$light\"/></emitter><shape \
+        type=\"sphere\"><float name=\"radius\" value=\"0.6\"/></shape></scene>";
+    fs::write(desk.path("ball.xml"), scene).unwrap();
+    desk.json("ball.xml -D size=5 --define light=2 -o a.exr --json --spp 256");
+    let red = desk.image("a.exr").channel("R").unwrap().to_vec();
+    assert!((red[12] - 1.0).abs() < 0.05 && red[0] == 2.0, "{red:?}");
+    for mode in ["render", "check", "info"] {
+        let said = |options: &str| {
+            let ran = desk.run(&format!("{mode} ball.xml {options}"));
+            assert_eq!(ran.status, 2);
+            ran.error
+        };
+        let error = said("");
+        assert!(error.contains("ball.xml:1:"), "{error}");
+        assert!(error.contains("no parameter \"size\": it has no <default>"), "{error}");
+        let error = said("-D size=3 -D lihgt=2");
+        assert!(error.contains("no parameter \"lihgt\"; did you mean \"light\"?"), "{error}");
+        assert!(said("-D size").contains("write it as NAME=VALUE, like spp=64"));
+    }
+}
+
 /// Any scene stands under the sky that is asked for: under an even one every pixel that sees only
 /// sky has its radiance; what is neither a radiance nor a picture is refused by name.
 #[test]

@@ -112,8 +112,8 @@ const AFTER_HEAD: &[(&str, &str)] = &[
         r#":10:8: there is no file "none.obj" beside the scene"#,
     ),
     (
-        "[[shape]]\ntype = \"mesh\"\nfile = \"a.stl\"\nmaterial = \"grey\"",
-        ":10:8: no mesh format .stl; there are .obj, .ply, .gltf, .glb",
+        "[[shape]]\ntype = \"mesh\"\nfile = \"a.off\"\nmaterial = \"grey\"",
+        ":10:8: no mesh format .off; there are .obj, .ply, .stl, .gltf, .glb",
     ),
     (
         "[[shape]]\ntype = \"mesh\"\nfile = \"folder.obj\"\nmaterial = \"grey\"",
@@ -281,7 +281,7 @@ fn every_mistake_is_one_line_and_status_2() {
     write("name.mtl", b"newmtl\n");
     write("number.mtl", b"newmtl a\nKd red\n");
     write("infinite.mtl", b"newmtl a\nNi 1e99\n");
-    write("a.stl", b"solid\n");
+    write("a.off", b"OFF\n");
     write("sky.gif", b"GIF89a");
     write("bad.hdr", b"#?RADIANCE\n\n-Y 5\n");
     write("bad.pfm", b"PF\n2 x\n");
@@ -308,11 +308,15 @@ fn every_mistake_is_one_line_and_status_2() {
         ("a.obj", b"hello\n", r#":1:1: "hello" begins no OBJ statement"#),
         ("a.obj", b"f 1 2 3\nv 0 0 0\n", ":1:3: face names vertex 1, but none is declared so far"),
         ("a.ply", b"ply\nformat ascii 1.0\n", r#":3:1: the header has no "end_header""#),
-        ("a.xyz", b"", ": no scene format .xyz; there are .toml, .gltf, .glb, .pbrt, .obj, .ply"),
+        (
+            "a.xyz",
+            b"",
+            ": no scene format .xyz; there are .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl",
+        ),
         (
             "a",
             b"",
-            ": no extension, so no scene format; there are .toml, .gltf, .glb, .pbrt, .obj, .ply",
+            ": no extension, so no scene format; there are .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl",
         ),
     ] {
         cases.push((name, bytes.to_vec(), said));

@@ -47,15 +47,20 @@ const SCENES: &[(&str, SceneReader)] = &[
     ("pbrt", |path, options| {
         scene::pbrt::scene::read(path, options)?.without_variants(path, options)
     }),
+    ("xml", |path, options| {
+        scene::mitsuba::scene::read(path, options)?.without_variants(path, options)
+    }),
     ("obj", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
     ("ply", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
+    ("stl", |path, options| scene::bare::read(path, options)?.without_variants(path, options)),
 ];
 
 /// Reads the scene in a file of any kind that is known by its extension.
 ///
 /// `.toml` is the native format (docs/scene-format.md), `.gltf` and `.glb` are glTF 2.0
-/// (docs/gltf.md), `.pbrt` is pbrt's (docs/pbrt.md). A bare `.obj` or `.ply`
-/// becomes a scene as well: under an even sky, seen by a camera that fits it.
+/// (docs/gltf.md), `.pbrt` is pbrt's (docs/pbrt.md) and `.xml` Mitsuba's (docs/mitsuba.md). A bare
+/// `.obj`, `.ply` or `.stl` becomes a scene as well: under an even sky, seen by a camera that fits
+/// it.
 ///
 /// # Errors
 /// The first thing in the file, or in the files it names, that cannot be used,
@@ -63,13 +68,29 @@ const SCENES: &[(&str, SceneReader)] = &[
 pub fn read_scene(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
     let extension = file::extension(path);
     match SCENES.iter().find(|(name, _)| *name == extension) {
-        Some((_, read)) => read(path, options)?.under(path, options),
+        Some((name, read)) => {
+            if *name != WITH_PARAMETERS {
+                without_parameters(path, options)?;
+            }
+            read(path, options)?.under(path, options)
+        }
         None => {
             let known = SCENES.iter().map(|(name, _)| *name);
             let what = file::unknown_format("scene", path, known);
             Err(SceneError::in_file(path, SceneErrorKind::Unsupported(what)))
         }
     }
+}
+
+/// The extension of scenes that have parameters.
+const WITH_PARAMETERS: &str = "xml";
+
+/// Asks for no parameters, in a file that cannot have any.
+fn without_parameters(path: &Path, options: &ReadOptions<'_>) -> Result<(), SceneError> {
+    let Some((name, _)) = options.parameters.first() else { return Ok(()) };
+    let name = shown::shown(name);
+    let what = format!("no parameter \"{name}\": only Mitsuba scenes have parameters");
+    Err(SceneError::invalid_file(path, what))
 }
 
 /// The text of the native scene at `path`, for [`parse_native`] and [`rewrite`].
@@ -94,6 +115,7 @@ pub fn parse_native(
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
+    without_parameters(file, options)?;
     let loaded = scene::native::parse(text, file, options)?;
     loaded.without_variants(file, options)?.under(file, options)
 }
@@ -110,7 +132,24 @@ pub fn parse_pbrt(
     file: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
+    without_parameters(file, options)?;
     let loaded = scene::pbrt::scene::read_bytes(bytes, file, options)?;
+    loaded.without_variants(file, options)?.under(file, options)
+}
+
+/// Reads a scene of Mitsuba (docs/mitsuba.md) that is already in memory.
+///
+/// `file` is where it would stand: errors name it, and the files that the scene names are looked for
+/// beside it, after those in [`ReadOptions::embedded`].
+///
+/// # Errors
+/// As for [`parse_native`].
+pub fn parse_mitsuba(
+    bytes: Vec<u8>,
+    file: &Path,
+    options: &ReadOptions<'_>,
+) -> Result<LoadedScene, SceneError> {
+    let loaded = scene::mitsuba::scene::read_bytes(bytes, file, options)?;
     loaded.without_variants(file, options)?.under(file, options)
 }
 

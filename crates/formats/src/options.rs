@@ -26,6 +26,9 @@ pub struct ReadOptions<'a> {
     /// The time, in seconds, of the first animation of a glTF file at which all stands; where no
     /// animation has moved it if `None`. Where there is none, a note says so.
     pub at_time: Option<f32>,
+    /// Names and values of a Mitsuba scene's parameters, which stand before its own defaults; the last
+    /// of a name counts. One that the scene does not know is an error.
+    pub parameters: &'a [(String, String)],
     /// Which camera sees the scene.
     pub camera: &'a CameraChoice,
     /// The sky.

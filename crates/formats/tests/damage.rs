@@ -65,6 +65,6 @@ macro_rules! damage {
 }
 
 damage! {
-    native: 10000, obj: 10000, mtl: 10000, ply: 10000, gltf: 10000, pbrt: 4000, exr: 10000, hdr: 10000, pfm: 10000,
+    native: 10000, obj: 10000, mtl: 10000, ply: 10000, gltf: 10000, pbrt: 4000, mitsuba: 5000, serialized: 10000, stl: 10000, exr: 10000, hdr: 10000, pfm: 10000,
     png: 10000, jpeg: 10000, tga: 10000, scene_render: 1000
 }

@@ -44,6 +44,8 @@ pub struct Reading {
     pub variant: Option<String>,
     /// The time at which its animation stands, in seconds.
     pub at_time: Option<f32>,
+    /// Names and values of a Mitsuba scene's parameters.
+    pub parameters: Vec<(String, String)>,
     /// The camera to begin with.
     pub camera: CameraChoice,
     /// The sky to begin with.
@@ -64,6 +66,7 @@ impl Reading {
             strict: self.strict,
             variant: self.variant.as_deref(),
             at_time: self.at_time,
+            parameters: &self.parameters,
             embedded: if file.is_none() { self.built_in.images } else { &[] },
             ..ReadOptions::default()
         }
@@ -270,11 +273,11 @@ pub(crate) fn is_native(file: &Path) -> bool {
     file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Whether a file is a glTF document or a scene of pbrt, by its name: no scene can name it as what it
-/// is, with lights and cameras.
+/// Whether a file is a glTF document, or a scene of pbrt or Mitsuba, by its name: no scene can name
+/// it as what it is, with lights and cameras.
 fn is_document(file: &Path) -> bool {
     let extension = file.extension().unwrap_or_default();
-    ["gltf", "glb", "pbrt"].iter().any(|name| extension.eq_ignore_ascii_case(name))
+    ["gltf", "glb", "pbrt", "xml"].iter().any(|name| extension.eq_ignore_ascii_case(name))
 }
 
 /// The scene as it looks now, to be written to `to`; `image_names` are those of all

@@ -5,6 +5,7 @@ use super::gltf::scene::Model;
 use super::obj::{self, ObjScene};
 use super::pictures::Pictures;
 use super::ply;
+use super::stl;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
@@ -23,8 +24,11 @@ type MeshReader = fn(&Path, &Limits, &Fence) -> Result<ObjScene, SceneError>;
 type BytesReader = fn(&[u8], &Path, &Limits) -> Result<ObjScene, SceneError>;
 
 /// Every kind of mesh file, by its extension.
-const MESHES: &[(&str, MeshReader, BytesReader)] =
-    &[("obj", obj::read_within, obj::read_bytes), ("ply", read_ply, read_ply_bytes)];
+const MESHES: &[(&str, MeshReader, BytesReader)] = &[
+    ("obj", obj::read_within, obj::read_bytes),
+    ("ply", read_ply, read_ply_bytes),
+    ("stl", read_stl, read_stl_bytes),
+];
 
 /// Whole scenes, of which a shape takes the things.
 const DOCUMENTS: [&str; 2] = ["gltf", "glb"];
@@ -73,6 +77,15 @@ fn read_ply(path: &Path, limits: &Limits, _: &Fence) -> Result<ObjScene, SceneEr
 
 fn read_ply_bytes(bytes: &[u8], path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
     Ok(alone(ply::read_bytes(bytes, path, limits)?))
+}
+
+/// So is an STL file.
+fn read_stl(path: &Path, limits: &Limits, _: &Fence) -> Result<ObjScene, SceneError> {
+    Ok(alone(stl::read(path, limits)?))
+}
+
+fn read_stl_bytes(bytes: &[u8], path: &Path, limits: &Limits) -> Result<ObjScene, SceneError> {
+    Ok(alone(stl::read_bytes(bytes, path, limits)?))
 }
 
 fn alone((mesh, notes): (Mesh, Vec<String>)) -> ObjScene {

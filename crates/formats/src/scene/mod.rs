@@ -2,11 +2,13 @@
 
 mod affine;
 pub(crate) mod bare;
+mod called;
 mod files;
 mod framing;
 pub mod gltf;
 pub(crate) mod loaded;
 mod mesh_file;
+pub mod mitsuba;
 pub mod mtl;
 pub(crate) mod native;
 mod nearest;
@@ -17,4 +19,5 @@ pub(crate) mod pictures;
 pub mod ply;
 mod polygon;
 pub(crate) mod spectrum;
+pub mod stl;
 mod text;

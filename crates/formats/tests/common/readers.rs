@@ -11,8 +11,9 @@ use rutilant::shape::Mesh;
 use rutilant::texture::{Bitmap, Texture};
 use rutilant::{Prepared, Session};
 use rutilant_formats::scene::gltf::{self, Moment};
-use rutilant_formats::scene::{mtl, obj, ply};
-use rutilant_formats::{Limits, ReadOptions, image, parse_native, parse_pbrt};
+use rutilant_formats::scene::mitsuba::serialized;
+use rutilant_formats::scene::{mtl, obj, ply, stl};
+use rutilant_formats::{Limits, ReadOptions, image, parse_mitsuba, parse_native, parse_pbrt};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,6 +37,13 @@ pub(crate) const READERS: &[Reader] = &[
     Reader { name: "ply", check: ply, words: PLY_WORDS },
     Reader { name: "gltf", check: gltf, words: GLTF_WORDS },
     Reader { name: "pbrt", check: pbrt, words: PBRT_WORDS },
+    Reader { name: "mitsuba", check: mitsuba, words: MITSUBA_WORDS },
+    Reader {
+        name: "serialized",
+        check: serialized,
+        words: &[b"\x1c\x04\x03\0", b"\x1c\x04\x04\0", b"\x78\xda"],
+    },
+    Reader { name: "stl", check: stl, words: STL_WORDS },
     Reader { name: "exr", check: |bytes| image(bytes, "a.exr"), words: &[] },
     Reader { name: "hdr", check: |bytes| image(bytes, "a.hdr"), words: &[] },
     Reader { name: "pfm", check: |bytes| image(bytes, "a.pfm"), words: &[] },
@@ -216,6 +224,61 @@ const PBRT_WORDS: &[&[u8]] = &[
     b"true",
 ];
 
+/// Pieces that matter to XML, or to the scenes written in it.
+const MITSUBA_WORDS: &[&[u8]] = &[
+    b"<",
+    b">",
+    b"/>",
+    b"\"",
+    b"=",
+    b"&amp;",
+    b"&#x10ffff;",
+    b"&e;",
+    b"<!--",
+    b"-->",
+    b"<![CDATA[",
+    b"<!DOCTYPE a>",
+    b"<?xml version=\"1.0\"?>",
+    b"$res",
+    b"$",
+    b"1e38",
+    b"-1e38",
+    b"1e-45",
+    b"400:1, 700:2",
+    b"#ff8000",
+    b"<ref id=\"grey\"/>",
+    b"<ref id=\"painted\"/>",
+    b"<include filename=\"a.obj\"/>",
+    b"<shape type=\"sphere\"/>",
+    b"<bsdf type=\"twosided\">",
+    b"<bsdf type=\"dielectric\"/>",
+    b"<texture type=\"checkerboard\"/>",
+    b"<emitter type=\"area\"/>",
+    b"<emitter type=\"constant\"/>",
+    b"<float name=\"scale\" value=\"0\"/>",
+    b"<integer name=\"shape_index\" value=\"1\"/>",
+    b"<boolean name=\"flip_normals\" value=\"true\"/>",
+    b"<scale value=\"0\"/>",
+    b"<rotate x=\"1\" angle=\"33\"/>",
+    b"name=\"interior\"",
+    b"version=\"0.6.0\"",
+    b"instance",
+    b"shapegroup",
+    b"roughdielectric",
+    b"principled",
+    b"cylinder",
+];
+const STL_WORDS: &[&[u8]] = &[
+    b"solid",
+    b"facet normal",
+    b"outer loop",
+    b"vertex ",
+    b"endloop",
+    b"endfacet",
+    b"endsolid",
+    b"\0\0\0\0\0\0",
+];
+
 /// An error of one line that is no page: nothing was read.
 fn refused(error: &dyn std::error::Error) -> bool {
     let text = error.to_string();
@@ -244,6 +307,54 @@ const SKY: &[u8] = b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x20\x40\x60\x84";
 
 fn options() -> ReadOptions<'static> {
     ReadOptions { embedded: &[("sky.hdr", SKY)], ..ReadOptions::default() }
+}
+
+/// The files that Mitsuba's scenes name as well.
+const MITSUBA_FILES: &[(&str, &[u8])] = &[
+    ("sky.hdr", SKY),
+    ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"),
+    ("a.ply", include_bytes!("../../../../fuzz/corpus/ply/little.ply")),
+    ("a.serialized", include_bytes!("../../../../fuzz/corpus/serialized/v4.serialized")),
+];
+
+fn mitsuba(bytes: &[u8]) -> bool {
+    let options = ReadOptions { embedded: MITSUBA_FILES, ..ReadOptions::default() };
+    match parse_mitsuba(bytes.to_vec(), Path::new("nowhere/scene.xml"), &options) {
+        Ok(loaded) => {
+            checked_notes(&loaded.notes);
+            loaded.scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            loaded.settings.validate().unwrap_or_else(|problem| panic!("{problem}"));
+            true
+        }
+        Err(error) => refused(&error),
+    }
+}
+
+fn serialized(bytes: &[u8]) -> bool {
+    let (path, limits) = (Path::new("a.serialized"), Limits::default());
+    let count = match serialized::count(bytes, path) {
+        Ok(count) => count,
+        Err(error) => return refused(&error),
+    };
+    let mut read = true;
+    for number in (0..count.min(4)).chain([count, u32::MAX]) {
+        match serialized::read_bytes(bytes, number, path, &limits) {
+            Ok(mesh) => checked_mesh(&mesh),
+            Err(error) => read &= refused(&error) || number >= count,
+        }
+    }
+    read
+}
+
+fn stl(bytes: &[u8]) -> bool {
+    match stl::read_bytes(bytes, Path::new("a.stl"), &Limits::default()) {
+        Ok((mesh, notes)) => {
+            checked_notes(&notes);
+            checked_mesh(&mesh);
+            true
+        }
+        Err(error) => refused(&error),
+    }
 }
 
 fn native(bytes: &[u8]) -> bool {

@@ -6,7 +6,7 @@
 //! with the reader. `RUTILANT_BLESS=1 cargo test -p rutilant-formats --test golden` writes them anew.
 //!
 //! The files of the repository are always read; those of other people are where `RUTILANT_DATA`
-//! names a folder that has `gltf`, `obj-mtl` and `pbrt`.
+//! names a folder that has `gltf`, `mitsuba`, `obj-mtl` and `pbrt`.
 
 #[path = "../gltf/builder.rs"]
 #[allow(dead_code, reason = "each test file uses its part")]
@@ -127,7 +127,9 @@ fn files(folder: &Path) -> Vec<(String, PathBuf)> {
             let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
             if path.is_dir() {
                 folders.push(path);
-            } else if ["gltf", "glb", "obj", "ply", "toml", "pbrt"].contains(&&*extension) {
+            } else if ["gltf", "glb", "obj", "ply", "stl", "toml", "pbrt", "xml"]
+                .contains(&&*extension)
+            {
                 let name = path.strip_prefix(folder).expect("within").to_string_lossy();
                 found.push((name.replace('\\', "/"), path));
             }
@@ -137,12 +139,23 @@ fn files(folder: &Path) -> Vec<(String, PathBuf)> {
     found
 }
 
+/// What scenes of the corpus name.
+const EMBEDDED: &[(&str, &[u8])] = &[
+    ("sky.hdr", b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x20\x40\x60\x84"),
+    ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"),
+    ("a.ply", include_bytes!("../../../../fuzz/corpus/ply/little.ply")),
+    ("a.serialized", include_bytes!("../../../../fuzz/corpus/serialized/v4.serialized")),
+];
+
 /// Holds what is made of all files of a folder against the lines in `golden`.
 fn compare(files: &[(String, PathBuf)], golden: &str) {
     let mut text = String::new();
     for (name, path) in files {
         let folder = path.parent().expect("a folder").display().to_string();
-        let said = match read_scene(path, &ReadOptions::default()) {
+        // Where files of our own name others, these need no disk.
+        let embedded = if golden == "own.txt" { EMBEDDED } else { &[] };
+        let options = ReadOptions { embedded, ..ReadOptions::default() };
+        let said = match read_scene(path, &options) {
             Ok(loaded) => dump(path, &loaded),
             Err(error) => format!("{}\n", error.to_string().replace(&format!("{folder}/"), "")),
         };
@@ -237,7 +250,7 @@ fn own_files_are_what_they_were() {
     let mut all = files(&corpus);
     // Those that are broken on purpose say little.
     all.retain(|(name, _)| {
-        ["gltf/", "obj/", "ply/"].iter().any(|kind| name.starts_with(kind))
+        ["gltf/", "mitsuba/", "obj/", "ply/", "stl/"].iter().any(|kind| name.starts_with(kind))
             && !name.contains("everything")
     });
     all.extend(files(folder.path()));
@@ -251,7 +264,7 @@ const SKY: &[u8] = b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x20\x40\x60\x84";
 /// Other people's files.
 #[test]
 fn other_files_are_what_they_were() {
-    for kind in ["gltf", "obj-mtl", "pbrt"] {
+    for kind in ["gltf", "mitsuba", "obj-mtl", "pbrt"] {
         let data = std::env::var_os("RUTILANT_DATA").map(|data| Path::new(&data).join(kind));
         let Some(folder) = data.filter(|folder| folder.is_dir()) else {
             eprintln!("skipped: RUTILANT_DATA names no folder with {kind}");

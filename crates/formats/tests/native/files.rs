@@ -35,7 +35,10 @@ fn paths_stay_in_the_folder() {
     let allowed = ReadOptions { allow_outside: true, ..ReadOptions::default() };
     for file in ["../secret.txt", "deep/../../secret.txt", &*absolute] {
         let said = said(&folder, file, &allowed);
-        assert!(said.ends_with("no mesh format .txt; there are .obj, .ply, .gltf, .glb"), "{said}");
+        assert!(
+            said.ends_with("no mesh format .txt; there are .obj, .ply, .stl, .gltf, .glb"),
+            "{said}"
+        );
     }
 }
 
@@ -86,7 +89,7 @@ fn material_files_stay_in_the_scenes_folder() {
 fn only_regular_files_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("mesh.obj")).expect("a folder");
-    fs::write(folder.path().join("mesh.stl"), "").expect("a file");
+    fs::write(folder.path().join("mesh.off"), "").expect("a file");
     for (file, expected) in [
         ("mesh.obj", "scene.toml:11:8: \"mesh.obj\" is a folder, not a file"),
         ("", "scene.toml:11:8: \"\" is a folder, not a file"),
@@ -127,7 +130,7 @@ mod unix {
         for file in ["in.txt", "up/inside/mesh.txt"] {
             let said = said(&folder, file, &ReadOptions::default());
             assert!(
-                said.ends_with("no mesh format .txt; there are .obj, .ply, .gltf, .glb"),
+                said.ends_with("no mesh format .txt; there are .obj, .ply, .stl, .gltf, .glb"),
                 "{said}"
             );
         }
@@ -212,11 +215,11 @@ fn scene_files_are_checked() {
         ("binary.toml", "binary.toml:2:5: the text is not UTF-8 here; save the file as UTF-8"),
         (
             "scene.xyz",
-            "scene.xyz: no scene format .xyz; there are .toml, .gltf, .glb, .pbrt, .obj, .ply",
+            "scene.xyz: no scene format .xyz; there are .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl",
         ),
         (
             "scene",
-            "scene: no extension, so no scene format; there are .toml, .gltf, .glb, .pbrt, .obj, .ply",
+            "scene: no extension, so no scene format; there are .toml, .gltf, .glb, .pbrt, .xml, .obj, .ply, .stl",
         ),
     ] {
         let error = said(name).to_string();

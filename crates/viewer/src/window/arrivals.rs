@@ -27,6 +27,7 @@ impl Window {
             // scene by.
             (reading.camera, reading.size) = (CameraChoice::First, None);
             (reading.variant, reading.at_time) = (None, None);
+            reading.parameters = Vec::new();
             reading.adjust = Arc::new(|_| {});
         }
         self.tried = (file.clone(), again);

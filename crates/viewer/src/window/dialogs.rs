@@ -182,7 +182,7 @@ pub(super) fn show_dialog(ui: &mut Ui, dialog: &mut Dialog, listing: &mut Listin
         Dialog::Replace(_) => ("This file is there already", "Replace it"),
     };
     /// What can be opened.
-    const SCENES: &[&str] = &["toml", "gltf", "glb", "pbrt", "obj", "ply"];
+    const SCENES: &[&str] = &["toml", "gltf", "glb", "pbrt", "xml", "obj", "ply", "stl"];
     /// What can be compared with, or be a sky.
     const IMAGES: &[&str] = &["exr", "hdr", "pfm", "png", "jpg", "jpeg"];
     ui.heading(title);

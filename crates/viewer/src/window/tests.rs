@@ -100,6 +100,7 @@ impl Desk {
                     strict: false,
                     variant: None,
                     at_time: None,
+                    parameters: Vec::new(),
                     camera: CameraChoice::First,
                     sky: SkyChoice::Own,
                     size: None,

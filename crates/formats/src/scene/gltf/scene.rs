@@ -17,6 +17,7 @@ use crate::camera::{AuthoredCamera, CameraKind};
 use crate::error::{SceneError, Source};
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
+use crate::scene::called;
 use crate::scene::files::Files;
 use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
 use crate::scene::loaded::{LoadedScene, NOTHING_MOVES, camera_named};
@@ -121,8 +122,6 @@ pub(crate) fn model(
 /// What mattes call the things of each node: its name, behind that of the root that it is below. A
 /// node without a name leaves it to its mesh.
 fn names_of(document: &Document) -> Vec<Arc<str>> {
-    /// Many nodes may be below one root: its name is cut to so many characters.
-    const LONGEST: usize = 64;
     let mut roots: Vec<usize> = (0..document.nodes.len()).collect();
     for &node in &document.order {
         if let Some(parent) = document.nodes[node].parent {
@@ -135,8 +134,7 @@ fn names_of(document: &Document) -> Vec<Arc<str>> {
         if root == number || node.name.is_empty() || above.is_empty() {
             return node.name.as_str().into();
         }
-        let above: String = above.chars().filter(|c| *c != '/').take(LONGEST).collect();
-        format!("{above}/{}", node.name).into()
+        called::part_of(above, &node.name)
     })
     .collect()
 }

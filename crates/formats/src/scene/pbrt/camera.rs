@@ -11,7 +11,6 @@ use super::film::Film;
 use super::lexer::{Place, Texts};
 use super::notes::Notes;
 use super::parameters::Parameters;
-use super::transform;
 use crate::camera::{
     AngleOfView, Aperture, AuthoredCamera, AuthoredLens, CameraKind, FocusOn, SENSOR_HEIGHT_MM,
 };
@@ -53,9 +52,9 @@ pub(super) fn read(
     // Where it stands.
     let stretched =
         || texts.unsupported(place, "a camera that is stretched or flattened is not made");
-    let back = transform::inverse(map).ok_or_else(stretched)?;
-    let scale = transform::uniform_scale(&back).ok_or_else(stretched)?;
-    let turned = transform::inverse(&ours_from_theirs(description)).unwrap_or(Affine::IDENTITY);
+    let back = map.inverse().ok_or_else(stretched)?;
+    let scale = back.uniform_scale().ok_or_else(stretched)?;
+    let turned = ours_from_theirs(description).inverse().unwrap_or(Affine::IDENTITY);
     let pose = *world * back * turned;
     let [_, up, behind] = pose.linear;
     let position = single(pose.translation);

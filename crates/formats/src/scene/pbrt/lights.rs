@@ -14,7 +14,6 @@ use super::parameters::Parameters;
 use super::scene::Maker;
 use super::spectra::told;
 use super::state::AreaLight;
-use super::transform;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::image;
 use crate::scene::affine::{Affine, single};
@@ -58,8 +57,8 @@ impl World {
             translation: DVec3::ZERO,
         };
         let turned = sky.and_then(|light| {
-            let back = transform::inverse(&light.map)?;
-            let scale = transform::uniform_scale(&back)?;
+            let back = light.map.inverse()?;
+            let scale = back.uniform_scale()?;
             // pbrt's maps have +z in their middle, or on top; ours +y. Both are seen from inside, and
             // one of the two worlds is left-handed: see `Projection`.
             let ours = match light.parameters.get("mapname") {
@@ -71,9 +70,9 @@ impl World {
             Some(Affine { linear: ours, translation: DVec3::ZERO } * turn)
         });
         match turned {
-            Some(map) if transform::mirrors(&map) == mirrored => Self { map, mirrors_sky: false },
+            Some(map) if map.mirrors() == mirrored => Self { map, mirrors_sky: false },
             Some(map) => {
-                let mirror = transform::scale(DVec3::new(-1.0, 1.0, 1.0));
+                let mirror = Affine::scale(DVec3::new(-1.0, 1.0, 1.0));
                 Self { map: mirror * map, mirrors_sky: true }
             }
             None => Self { map: plain(mirrored), mirrors_sky: false },
@@ -302,7 +301,7 @@ impl Maker<'_> {
             let title = format!("{stem}-mirrored.exr");
             origin = PictureOrigin::Bytes { title, bytes: Arc::new(bytes) };
         }
-        if transform::uniform_scale(&sky_map(&self.description.lights)).is_none() {
+        if sky_map(&self.description.lights).uniform_scale().is_none() {
             self.note(place, "the picture of the sky is stretched: it is shown as it is");
         }
         let [r, g, b] = color.0;

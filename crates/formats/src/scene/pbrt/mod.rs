@@ -23,4 +23,3 @@ mod shapes;
 mod spectra;
 mod state;
 mod textures;
-mod transform;

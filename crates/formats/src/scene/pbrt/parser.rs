@@ -7,12 +7,12 @@
 use super::description::{
     Description, Eye, Instance, LightStatement, Named, Placed, TextureStatement,
 };
+use super::gzip;
 use super::lexer::{Kind, Lexer, Place, Texts, number};
 use super::notes::Notes;
 use super::parameters::{Before, Parameters};
 use super::shapes::{self, PlyFiles};
 use super::state::{AreaLight, Chosen, Saved, State, TARGETS};
-use super::{gzip, transform};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
@@ -214,26 +214,28 @@ impl<'o> Parser<'o> {
             "Identity" => self.state.map = Affine::IDENTITY,
             "Translate" => {
                 let by = self.numbers::<3>(lexer, name)?;
-                self.multiply(transform::translate(vector(&by)), place)?;
+                self.multiply(Affine::translate(vector(&by)), place)?;
             }
             "Scale" => {
                 let by = self.numbers::<3>(lexer, name)?;
-                self.multiply(transform::scale(vector(&by)), place)?;
+                self.multiply(Affine::scale(vector(&by)), place)?;
             }
             "Rotate" => {
                 let [degrees, axis @ ..] = self.numbers::<4>(lexer, name)?;
-                let turn = transform::rotate(degrees, vector(&axis))
+                let turn = Affine::rotate(degrees, vector(&axis))
                     .ok_or_else(|| self.texts.invalid(place, "the axis of Rotate has no length"))?;
                 self.multiply(turn, place)?;
             }
             "LookAt" => {
                 let all = self.numbers::<9>(lexer, name)?;
                 let [eye, at, up] = [0, 3, 6].map(|i| vector(&[all[i], all[i + 1], all[i + 2]]));
-                let map = transform::look_at(eye, at, up).ok_or_else(|| {
-                    let what = "LookAt has no direction: both points are the same, or up is \
+                let map = Affine::look_at(eye, at, up).and_then(|eye| eye.inverse()).ok_or_else(
+                    || {
+                        let what = "LookAt has no direction: both points are the same, or up is \
                                 parallel to the view";
-                    self.texts.invalid(place, what)
-                })?;
+                        self.texts.invalid(place, what)
+                    },
+                )?;
                 self.multiply(map, place)?;
             }
             "Transform" | "ConcatTransform" => {
@@ -311,7 +313,7 @@ impl<'o> Parser<'o> {
             "Camera" => {
                 let (kind, parameters) = self.made(lexer, name, place)?;
                 let map = self.state.map;
-                if let Some(back) = transform::inverse(&map) {
+                if let Some(back) = map.inverse() {
                     self.systems.insert("camera".to_owned(), back);
                 }
                 self.description.camera = Some(Eye { kind, parameters, map });
@@ -523,7 +525,7 @@ impl<'o> Parser<'o> {
             return Ok(());
         }
         self.state.map = self.state.map * by;
-        if transform::is_finite(&self.state.map) {
+        if self.state.map.is_finite() {
             return Ok(());
         }
         Err(self.texts.invalid(place, "the transformation has grown beyond all numbers"))

@@ -11,7 +11,6 @@ use super::parser::Parser;
 use super::shapes::{self, PlyFiles};
 use super::spectra::{Library, told};
 use super::textures::{Change, Texel};
-use super::transform;
 use crate::camera::AuthoredCamera;
 use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::file;
@@ -19,6 +18,7 @@ use crate::image;
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::affine::Affine;
 use crate::scene::bare;
+use crate::scene::called;
 use crate::scene::files::Files;
 use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
 use crate::scene::loaded::{LoadedScene, TextureName, camera_named};
@@ -60,7 +60,7 @@ pub(crate) fn read_bytes(
     let mut film = Film::read(&description, &texts, &mut notes, options)?;
     let mut settings = film::settings(&description, &texts, &mut notes)?;
     let eye = description.camera.as_ref().map_or(Affine::IDENTITY, |eye| eye.map);
-    let mirrored = transform::mirrors(&(camera::ours_from_theirs(&description) * eye));
+    let mirrored = (camera::ours_from_theirs(&description) * eye).mirrors();
     let world = World::of(lights::sky_statement(&description.lights), mirrored);
     let authored = camera::read(&description, &mut film, &world.map, &texts, &mut notes)?;
     (settings.size, settings.crop) = (film.size, film.crop);
@@ -266,7 +266,7 @@ impl<'d> Maker<'d> {
             let name = match form {
                 Form::File(_) => "",
                 Form::Mesh(_) | Form::Sphere { .. } | Form::Disk { .. } => {
-                    &*self.scene.materials[material.0 as usize].name
+                    called::shortened(&self.scene.materials[material.0 as usize].name)
                 }
             };
             let name = name.into();
@@ -304,7 +304,7 @@ impl<'d> Maker<'d> {
                     (Shape::Mesh(id), Affine::IDENTITY)
                 }
                 Form::Sphere { radius } => {
-                    let round = transform::uniform_scale(&placed.state.map).is_some();
+                    let round = placed.state.map.uniform_scale().is_some();
                     if round && !placed.state.reversed {
                         // pbrt's poles lie on z, and its longitude begins at +x.
                         let linear = [DVec3::NEG_Y, DVec3::Z, DVec3::NEG_X];
@@ -319,9 +319,9 @@ impl<'d> Maker<'d> {
                     }
                 }
                 Form::Disk { radius, height } => {
-                    let mut own = transform::translate(DVec3::Z * f64::from(height));
+                    let mut own = Affine::translate(DVec3::Z * f64::from(height));
                     if placed.state.reversed {
-                        own = own * transform::scale(DVec3::new(1.0, -1.0, -1.0));
+                        own = own * Affine::scale(DVec3::new(1.0, -1.0, -1.0));
                     }
                     (Shape::Disk { radius }, own)
                 }
@@ -426,8 +426,6 @@ impl<'d> Maker<'d> {
 
     /// What mattes call a part of an object: an object is an asset.
     fn part_of(&self, object: &str, part: &Ready) -> Arc<str> {
-        /// An object may have many parts: its name is cut to so many characters.
-        const LONGEST: usize = 64;
         let of_mesh = match part.shape {
             Shape::Mesh(id) => &*self.scene.meshes[id.0 as usize].name,
             Shape::Sphere { .. }
@@ -437,12 +435,7 @@ impl<'d> Maker<'d> {
             | Shape::Custom(_) => "",
         };
         let own = if part.name.is_empty() { of_mesh } else { &*part.name };
-        let object: String = object.chars().filter(|c| *c != '/').take(LONGEST).collect();
-        match (&*object, own) {
-            ("", own) => own.into(),
-            (object, "") => object.into(),
-            (object, own) => format!("{object}/{own}").into(),
-        }
+        called::part_of(object, called::shortened(own))
     }
 
     fn object(&mut self, name: Arc<str>, ready: &Ready, map: &Affine, place: Place) {
