@@ -245,15 +245,24 @@ impl Rendering<'_> {
                 }
             );
             integrator.estimates(self.scene, &starts, view, &mut found, &mut rays);
+            let weights_of = &weights;
             let weights = weights.iter().flatten();
             let mut tile = self.film.tile(index);
             for (i, (&(pixel, number), &weight)) in places.iter().zip(weights).enumerate() {
                 let sample = Sample { pixel, number, weight };
                 let (radiance, control) = (found.radiance[i], found.controls[i]);
-                self.film.add(&mut tile, &sample, radiance, control, found.parts.get(i));
-                if let Some(first) = found.firsts.get(i) {
-                    let wanted = starts[i / LANES].albedos >> (i % LANES) & 1 == 1;
-                    tile.look(&sample, first.as_ref(), wanted);
+                self.film.add(&mut tile, &sample, radiance, control, found.parts(i));
+            }
+            if !found.objects.is_empty() {
+                let each = (until - next) as usize;
+                let looked = (next..until).filter(|number| looks_at(*number)).count() as u64;
+                let objects = found.objects[..places.len()].chunks(each);
+                for ((pixel, _), objects) in places.iter().step_by(each).zip(objects) {
+                    tile.count(*pixel, objects, looked);
+                }
+                for (slot, first) in &found.firsts {
+                    let slot = *slot as usize;
+                    tile.look(places[slot].0, first, weights_of[slot / LANES][slot % LANES]);
                 }
             }
             paths += places.len() as u64;
@@ -295,7 +304,7 @@ fn starts_of<V: Simd, S: Sampler>(
     for lane in places.len()..LANES {
         rays.t_max[lane] = RayPacket::NONE.t_max[lane];
     }
-    (Starts { rays, samplers, albedos: albedos_of(places) }, weight)
+    (Starts { rays, samplers, looks: looks_of(places) }, weight)
 }
 
 /// The same without vector instructions.
@@ -314,18 +323,23 @@ fn starts_one_by_one<S: Sampler>(
         rays.set(lane, &camera.ray(Vec2::new(x[lane], y[lane]) + offset, lens));
         weights[lane] = weight;
     }
-    (Starts { rays, samplers, albedos: albedos_of(places) }, weights)
+    (Starts { rays, samplers, looks: looks_of(places) }, weights)
 }
 
-/// The samples whose albedos count, a bit for each: the first of each pixel, and one in four of those
-/// after them. Albedos hardly differ within a pixel, and those of films take long.
+/// The samples of which is asked what they meet, a bit for each.
 #[inline(always)]
-fn albedos_of(places: &[([u32; 2], u64)]) -> u32 {
+fn looks_of(places: &[([u32; 2], u64)]) -> u32 {
+    let each = places.iter().enumerate().take(LANES);
+    each.fold(0, |all, (lane, &(_, number))| all | u32::from(looks_at(number)) << lane)
+}
+
+/// Whether a sample of a pixel is looked at: the first, and from then on one run in four, which is
+/// well spread itself, and one packet.
+#[inline(always)]
+fn looks_at(number: u64) -> bool {
     /// So many samples tell nearly all of it.
     const ENOUGH: u64 = 16;
-    let counts = |number: u64| number < ENOUGH || number.is_multiple_of(4);
-    let each = places.iter().enumerate().take(LANES);
-    each.fold(0, |all, (lane, &(_, number))| all | u32::from(counts(number)) << lane)
+    number < ENOUGH || (number / SAMPLES_AT_ONCE).is_multiple_of(4)
 }
 
 /// The middles of the pixels, and the numbers of their samples.

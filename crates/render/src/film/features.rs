@@ -3,12 +3,13 @@
 //! Albedo and normals count as light does, nothing as 0, so that a denoiser
 //! finds edges in them as they are in the picture. Places would be blends of
 //! before and behind; they are means over the samples that met something.
-//! Which objects cover how much of a pixel is counted exactly.
+//! Which objects cover how much of a pixel is counted exactly; the rest hardly
+//! differs within a pixel, and is told by some of its samples.
 
 use super::layers::{Layer, Layers};
 use crate::cryptomatte::{self, Ids};
 use crate::image::Channel;
-use crate::integrator::First;
+use crate::integrator::{First, NOTHING};
 
 /// The sums of one pixel, in double precision.
 #[derive(Clone, Debug, Default)]
@@ -16,8 +17,10 @@ pub(super) struct Features {
     /// Samples, and those that met something.
     count: u64,
     met: u64,
-    /// Samples whose albedo counts; of nothing it is 0.
-    albedos: u64,
+    /// Samples that were looked at closely, and those of them that met something: the sums below are
+    /// theirs.
+    looked: u64,
+    found: u64,
     albedo: [f64; 3],
     normal: [f64; 3],
     position: [f64; 3],
@@ -28,37 +31,42 @@ pub(super) struct Features {
 }
 
 impl Features {
-    /// Adds what a sample met that counts `weight`, and whose albedo is `wanted`.
-    pub(super) fn add(&mut self, first: Option<&First>, weight: f32, wanted: bool) {
-        self.count += 1;
-        self.albedos += u64::from(wanted);
-        let Some(first) = first else { return };
-        self.met += 1;
+    /// Counts samples by the object that each met, or [`NOTHING`]; `looked` of them are looked at.
+    pub(super) fn count(&mut self, objects: &[u32], looked: u64) {
+        self.count += objects.len() as u64;
+        self.looked += looked;
+        for same in objects.chunk_by(|a, b| a == b) {
+            let (object, more) = (same[0], same.len() as u64);
+            if object == NOTHING {
+                continue;
+            }
+            self.met += more;
+            match self.objects.iter_mut().find(|(known, _)| *known == object) {
+                Some((_, count)) => *count += more,
+                None => self.objects.push((object, more)),
+            }
+        }
+    }
+
+    /// Adds what a sample met that is looked at and counts `weight`.
+    pub(super) fn look(&mut self, first: &First, weight: f32) {
+        self.found += 1;
         let weight = f64::from(weight);
-        add(&mut self.albedo, first.albedo.unwrap_or_default().channels(), weight);
+        add(&mut self.albedo, first.albedo.channels(), weight);
         add(&mut self.normal, first.normal.to_array(), weight);
         add(&mut self.position, first.position.to_array(), 1.0);
         add(&mut self.uv, first.uv.to_array(), 1.0);
         self.depth += f64::from(first.depth);
-        match self.objects.iter_mut().find(|(object, _)| *object == first.object) {
-            Some((_, count)) => *count += 1,
-            None => self.objects.push((first.object, 1)),
-        }
     }
 
-    /// The mean over all samples.
+    /// The mean over all samples that were looked at.
     fn mean(&self, sum: f64) -> f32 {
-        if self.count > 0 { (sum / self.count as f64) as f32 } else { 0.0 }
+        if self.looked > 0 { (sum / self.looked as f64) as f32 } else { 0.0 }
     }
 
-    /// The mean over the samples whose albedo counts.
-    fn mean_albedo(&self, sum: f64) -> f32 {
-        if self.albedos > 0 { (sum / self.albedos as f64) as f32 } else { 0.0 }
-    }
-
-    /// The mean over all samples that met something.
-    fn mean_of_met(&self, sum: f64) -> f32 {
-        if self.met > 0 { (sum / self.met as f64) as f32 } else { 0.0 }
+    /// The mean over those that met something.
+    fn mean_of_found(&self, sum: f64) -> f32 {
+        if self.found > 0 { (sum / self.found as f64) as f32 } else { 0.0 }
     }
 
     /// 1 and the number of what most samples met, by a number that each object has; 0 where most
@@ -103,9 +111,9 @@ const MEANS: [(Layer, &[(&str, Reading)]); 5] = [
     (
         Layer::Albedo,
         &[
-            ("albedo.R", |f| f.mean_albedo(f.albedo[0])),
-            ("albedo.G", |f| f.mean_albedo(f.albedo[1])),
-            ("albedo.B", |f| f.mean_albedo(f.albedo[2])),
+            ("albedo.R", |f| f.mean(f.albedo[0])),
+            ("albedo.G", |f| f.mean(f.albedo[1])),
+            ("albedo.B", |f| f.mean(f.albedo[2])),
         ],
     ),
     (
@@ -116,16 +124,16 @@ const MEANS: [(Layer, &[(&str, Reading)]); 5] = [
             ("normal.Z", |f| f.mean(f.normal[2])),
         ],
     ),
-    (Layer::Depth, &[("depth.Z", |f| f.mean_of_met(f.depth))]),
+    (Layer::Depth, &[("depth.Z", |f| f.mean_of_found(f.depth))]),
     (
         Layer::Position,
         &[
-            ("position.X", |f| f.mean_of_met(f.position[0])),
-            ("position.Y", |f| f.mean_of_met(f.position[1])),
-            ("position.Z", |f| f.mean_of_met(f.position[2])),
+            ("position.X", |f| f.mean_of_found(f.position[0])),
+            ("position.Y", |f| f.mean_of_found(f.position[1])),
+            ("position.Z", |f| f.mean_of_found(f.position[2])),
         ],
     ),
-    (Layer::Uv, &[("uv.U", |f| f.mean_of_met(f.uv[0])), ("uv.V", |f| f.mean_of_met(f.uv[1]))]),
+    (Layer::Uv, &[("uv.U", |f| f.mean_of_found(f.uv[0])), ("uv.V", |f| f.mean_of_found(f.uv[1]))]),
 ];
 
 /// The channels of `layers` for these pixels, in their order.
@@ -177,7 +185,7 @@ fn mattes(
                 more(&mut levels);
             }
             levels[level][half][at] = f32::from_bits(id);
-            levels[level][half + 1][at] = pixel.mean(count as f64);
+            levels[level][half + 1][at] = (count as f64 / pixel.count as f64) as f32;
         }
     }
     for (level, values) in levels.into_iter().enumerate() {

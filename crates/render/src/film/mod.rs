@@ -153,17 +153,24 @@ impl Tile {
     /// Adds what was found without a bounce, and that with what was found after one, of a sample of
     /// pixel `i` that has been added.
     fn add_parts(&mut self, i: usize, parts: [Spectrum; 2]) {
-        for (sums, part) in self.parts[i].iter_mut().zip(parts) {
+        for (sums, part) in self.parts[i].iter_mut().zip(parts).filter(|(_, part)| !part.is_black())
+        {
             for (sum, value) in sums.iter_mut().zip(part.channels()) {
                 *sum += f64::from(value);
             }
         }
     }
 
-    /// Adds what the `sample` met first, and whose albedo counts if it is `wanted`.
-    pub(crate) fn look(&mut self, sample: &Sample, first: Option<&First>, wanted: bool) {
-        let i = self.index(sample.pixel);
-        self.features[i].add(first, sample.weight, wanted);
+    /// Counts the objects that samples of a pixel met first; `looked` of them are looked at.
+    pub(crate) fn count(&mut self, pixel: [u32; 2], objects: &[u32], looked: u64) {
+        let i = self.index(pixel);
+        self.features[i].count(objects, looked);
+    }
+
+    /// Adds what a sample met first that is looked at and counts `weight`.
+    pub(crate) fn look(&mut self, pixel: [u32; 2], first: &First, weight: f32) {
+        let i = self.index(pixel);
+        self.features[i].look(first, weight);
     }
 
     /// A sample of pixel `i` as those before it correct it; those after it learn from it. Apart,
@@ -248,7 +255,7 @@ impl Film {
         sample: &Sample,
         radiance: Spectrum,
         control: f32,
-        parts: Option<&[Spectrum; 2]>,
+        parts: Option<[Spectrum; 2]>,
     ) {
         let &Sample { pixel, number, weight } = sample;
         let i = tile.index(pixel);

@@ -1,7 +1,7 @@
 //! What every integrator does.
 
 use super::caustics::Caustics;
-use super::first::{First, View};
+use super::first::{First, NOTHING, View};
 use super::packet::Starts;
 use crate::color::Spectrum;
 use crate::film::Layer;
@@ -16,25 +16,41 @@ pub(crate) struct Found {
     pub(crate) radiance: Vec<Spectrum>,
     /// See [`Integrator::controlled`].
     pub(crate) controls: Vec<f32>,
-    /// Of the radiance what was seen without a bounce, and that with what came after one; empty where
-    /// it is not asked for.
-    pub(crate) parts: Vec<[Spectrum; 2]>,
-    /// What each camera ray met first; empty where it is not asked for.
-    pub(crate) firsts: Vec<Option<First>>,
+    /// Of the radiance what was seen without a bounce; empty where it is not asked for.
+    pub(crate) emission: Vec<Spectrum>,
+    /// That with what came after one bounce.
+    pub(crate) direct: Vec<Spectrum>,
+    /// The number of the object that each camera ray met first, or [`NOTHING`]; empty where it is not
+    /// asked for.
+    pub(crate) objects: Vec<u32>,
+    /// More of what some of them met, by the number of the start, which rises.
+    pub(crate) firsts: Vec<(u32, First)>,
 }
 
 impl Found {
     /// Room for so many starts, all black.
     fn clear(&mut self, count: usize, view: Option<&View>) {
         let asked = |asked: fn(&View) -> bool| if view.is_some_and(asked) { count } else { 0 };
-        self.radiance.clear();
+        let of_light = asked(|view| view.layers.has(Layer::Light));
+        for (light, count) in [
+            (&mut self.radiance, count),
+            (&mut self.emission, of_light),
+            (&mut self.direct, of_light),
+        ] {
+            light.clear();
+            light.resize(count, Spectrum::BLACK);
+        }
         self.controls.clear();
-        self.parts.clear();
-        self.firsts.clear();
-        self.radiance.resize(count, Spectrum::BLACK);
         self.controls.resize(count, 0.0);
-        self.parts.resize(asked(|view| view.layers.has(Layer::Light)), [Spectrum::BLACK; 2]);
-        self.firsts.resize(asked(|view| view.layers.look()), None);
+        self.objects.clear();
+        self.objects.resize(asked(|view| view.layers.look()), NOTHING);
+        self.firsts.clear();
+    }
+
+    /// The parts of the radiance of a start, where they are asked for: what was seen without a
+    /// bounce, and that with what came after one.
+    pub(crate) fn parts(&self, start: usize) -> Option<[Spectrum; 2]> {
+        Some([*self.emission.get(start)?, *self.direct.get(start)?])
     }
 }
 
@@ -42,9 +58,10 @@ impl Found {
 pub(crate) struct Watched {
     pub(crate) radiance: Spectrum,
     pub(crate) control: f32,
-    /// As in [`Found`].
+    /// As [`Found::parts`].
     pub(crate) parts: [Spectrum; 2],
-    pub(crate) first: Option<First>,
+    /// The number of the object that was met first, and more of it where that is asked for.
+    pub(crate) first: Option<(u32, Option<First>)>,
 }
 
 /// Gives the radiance that one ray brings, estimated once.
@@ -73,7 +90,7 @@ pub(crate) trait Integrator: Sync {
         if self.trace_together(scene, starts, view, found, rays) {
             return;
         }
-        for (i, Starts { rays: first, samplers, albedos }) in starts.iter().enumerate() {
+        for (i, Starts { rays: first, samplers, looks }) in starts.iter().enumerate() {
             for (lane, sampler) in samplers.iter().enumerate().filter(|(l, _)| first.is_there(*l)) {
                 let (slot, ray) = (i * LANES + lane, first.ray(lane));
                 let Some(view) = view else {
@@ -81,14 +98,15 @@ pub(crate) trait Integrator: Sync {
                         self.controlled(scene, ray, sampler, rays);
                     continue;
                 };
-                let view = (view, albedos >> lane & 1 == 1);
+                let view = (view, looks >> lane & 1 == 1);
                 let watched = self.watched(scene, ray, sampler, view, rays);
                 (found.radiance[slot], found.controls[slot]) = (watched.radiance, watched.control);
-                if let Some(parts) = found.parts.get_mut(slot) {
-                    *parts = watched.parts;
+                if !found.emission.is_empty() {
+                    [found.emission[slot], found.direct[slot]] = watched.parts;
                 }
-                if let Some(first) = found.firsts.get_mut(slot) {
-                    *first = watched.first;
+                if let Some((object, first)) = watched.first {
+                    found.objects[slot] = object;
+                    found.firsts.extend(first.map(|first| (slot as u32, first)));
                 }
             }
         }
@@ -119,16 +137,17 @@ pub(crate) trait Integrator: Sync {
         (self.radiance(scene, ray, sampler, rays), 0.0)
     }
 
-    /// The same with what is asked besides, and whether that is an albedo. Integrators that know no parts of light tell none.
+    /// The same with what is asked besides, and whether what is met is to be looked at. Integrators
+    /// that know no parts of light tell none.
     fn watched<S: Sampler>(
         &self,
         scene: &Prepared,
         ray: Ray,
         sampler: &S,
-        (view, wants_albedo): (&View, bool),
+        (view, look): (&View, bool),
         rays: &mut u64,
     ) -> Watched {
-        let first = view.along(scene, ray, wants_albedo, rays);
+        let first = view.along(scene, ray, look, rays);
         let (radiance, control) = self.controlled(scene, ray, sampler, rays);
         Watched { radiance, control, parts: [Spectrum::BLACK; 2], first }
     }

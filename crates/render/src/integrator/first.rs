@@ -11,17 +11,18 @@
 use crate::camera::Camera;
 use crate::color::Spectrum;
 use crate::film::{Layer, Layers};
-use crate::follow::follow;
+use crate::follow::{Met, follow};
 use crate::prepare::Prepared;
 use rutilant_geom::{Hit, Ray, Vec2, Vec3};
+
+/// What stands for an object where there is none.
+pub(crate) const NOTHING: u32 = u32::MAX;
 
 /// A surface that a camera ray met first. What is not asked for is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct First {
-    /// The number of the object.
-    pub(crate) object: u32,
-    /// The part of white light that is sent back, 0 to 1, where it is wanted of this sample.
-    pub(crate) albedo: Option<Spectrum>,
+    /// The part of white light that is sent back, 0 to 1.
+    pub(crate) albedo: Spectrum,
     /// The shading normal in the world, on the camera's side.
     pub(crate) normal: Vec3,
     /// In the world, in metres.
@@ -52,43 +53,52 @@ impl View {
         Self { layers, eye: axis.origin, forward }
     }
 
+    /// Whether anything is asked that samples are to be looked at for.
+    pub(super) fn looks(&self) -> bool {
+        let asking = [Layer::Albedo, Layer::Normal, Layer::Depth, Layer::Position, Layer::Uv];
+        asking.into_iter().any(|layer| self.layers.has(layer))
+    }
+
     /// The surface at `hit`, with its shading `normal` on either side, seen from the unit vector
-    /// `wo`, and its `albedo` where it is wanted of this sample.
+    /// `wo`.
     pub(super) fn first(
         &self,
         scene: &Prepared,
         hit: &Hit,
         normal: Vec3,
         wo: Vec3,
-        albedo: Option<impl FnOnce() -> Spectrum>,
+        albedo: impl FnOnce() -> Spectrum,
     ) -> First {
         let from_eye = hit.position - self.eye;
-        let uv = if self.layers.has(Layer::Uv) { scene.uv(hit) } else { Vec2::ZERO };
         First {
-            object: scene.object_of(hit.instance, hit.primitive),
-            albedo: albedo.filter(|_| self.layers.has(Layer::Albedo)).map(|albedo| albedo()),
+            albedo: if self.layers.has(Layer::Albedo) { albedo() } else { Spectrum::BLACK },
             normal: if normal.dot(wo) < 0.0 { -normal } else { normal },
             position: hit.position,
-            uv,
+            uv: if self.layers.has(Layer::Uv) { scene.uv(hit) } else { Vec2::ZERO },
             depth: self.forward.map_or(from_eye.length(), |forward| forward.dot(from_eye)),
         }
     }
 
-    /// What `ray` meets first, with its albedo where it is wanted.
+    /// The number of the object that `ray` meets first, and more of that if it is to be looked at.
     pub(super) fn along(
         &self,
         scene: &Prepared,
         mut ray: Ray,
-        wants_albedo: bool,
+        look: bool,
         rays: &mut u64,
-    ) -> Option<First> {
+    ) -> Option<(u32, Option<First>)> {
         if !self.layers.look() {
             return None;
         }
         let (mut media, mut made) = (scene.camera_media(), None);
         let way = follow(scene, &mut ray, &mut media, &mut made, rays, &mut |_| ());
-        let met = way.met?;
-        let albedo = wants_albedo.then_some(|| met.material.bsdf.albedo());
-        Some(self.first(scene, &met.hit, met.at.shading.z, met.at.wo, albedo))
+        Some(self.told(scene, &way.met?, look))
+    }
+
+    /// The number of the object that was met, and more of it if it is to be looked at.
+    pub(super) fn told(&self, scene: &Prepared, met: &Met<'_>, look: bool) -> (u32, Option<First>) {
+        let (hit, at) = (&met.hit, &met.at);
+        let first = || self.first(scene, hit, at.shading.z, at.wo, || met.material.albedo());
+        (scene.object_of(hit.instance, hit.primitive), (look && self.looks()).then(first))
     }
 }

@@ -18,7 +18,7 @@ pub(crate) use caustics::Caustics;
 pub(crate) use debug::{Albedo, AmbientOcclusion, Depth, Normals};
 pub(crate) use direct::Direct;
 pub(crate) use estimate::{Found, Integrator};
-pub(crate) use first::{First, View};
+pub(crate) use first::{First, NOTHING, View};
 pub(crate) use naive::Naive;
 pub(crate) use optimal::Optimal;
 pub(crate) use packet::Starts;

@@ -48,10 +48,10 @@ impl Integrator for Optimal<'_> {
         scene: &Prepared,
         ray: Ray,
         sampler: &S,
-        (view, wants_albedo): (&View, bool),
+        (view, look): (&View, bool),
         rays: &mut u64,
     ) -> Watched {
-        let mut both = (FirstSurface::new(), Witness::new(scene, view, wants_albedo));
+        let mut both = (FirstSurface::new(), Witness::new(scene, view, look));
         let radiance = self.0.trace(scene, ray, sampler, rays, &mut both);
         both.1.told(radiance, both.0.value)
     }

@@ -81,10 +81,10 @@ impl Integrator for Path<'_> {
         scene: &Prepared,
         ray: Ray,
         sampler: &S,
-        (view, wants_albedo): (&View, bool),
+        (view, look): (&View, bool),
         rays: &mut u64,
     ) -> Watched {
-        let mut witness = Witness::new(scene, view, wants_albedo);
+        let mut witness = Witness::new(scene, view, look);
         let radiance = self.trace(scene, ray, sampler, rays, &mut witness);
         witness.told(radiance, 0.0)
     }
@@ -314,7 +314,7 @@ pub(super) fn survival(
     let survival = match roulette {
         Roulette::Off => return 1.0,
         Roulette::Albedo if delta => 1.0,
-        Roulette::Albedo => material.bsdf.albedo().max_channel().clamp(0.1, 1.0),
+        Roulette::Albedo => material.albedo().max_channel().clamp(0.1, 1.0),
         Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
         Roulette::Throughput => (worth.max_channel() * (1.0 / SURE_FROM)).clamp(0.0, 1.0),
     };

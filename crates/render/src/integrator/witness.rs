@@ -12,17 +12,17 @@ use crate::prepare::Prepared;
 pub(super) struct Witness<'a> {
     scene: &'a Prepared,
     view: &'a View,
-    wants_albedo: bool,
-    first: Option<First>,
-    /// As in [`Found`](super::estimate::Found).
+    look: bool,
+    first: Option<(u32, Option<First>)>,
+    /// As [`Found::parts`](super::estimate::Found::parts).
     parts: [Spectrum; 2],
     /// The depths that the path has reached.
     depth: u32,
 }
 
 impl<'a> Witness<'a> {
-    pub(super) fn new(scene: &'a Prepared, view: &'a View, wants_albedo: bool) -> Self {
-        Self { scene, view, wants_albedo, first: None, parts: [Spectrum::BLACK; 2], depth: 0 }
+    pub(super) fn new(scene: &'a Prepared, view: &'a View, look: bool) -> Self {
+        Self { scene, view, look, first: None, parts: [Spectrum::BLACK; 2], depth: 0 }
     }
 
     /// All of it, when the path has ended and brought this `radiance`.
@@ -43,9 +43,7 @@ impl Control for Witness<'_> {
 
     fn met(&mut self, depth: u32, met: &Met<'_>) {
         if depth == 1 && self.view.layers.look() {
-            let albedo = self.wants_albedo.then_some(|| met.material.bsdf.albedo());
-            let (normal, wo) = (met.at.shading.z, met.at.wo);
-            self.first = Some(self.view.first(self.scene, &met.hit, normal, wo, albedo));
+            self.first = Some(self.view.told(self.scene, met, self.look));
         }
     }
 

@@ -498,7 +498,7 @@ impl Prepared {
         material: &PreparedMaterial,
     ) -> Option<PreparedMaterial> {
         let bsdf = self.varied_bsdf(material.varying?, hit, at, material.own_coat);
-        Some(PreparedMaterial { bsdf, dispersed: None, ..*material })
+        Some(PreparedMaterial { bsdf, albedo: None, dispersed: None, ..*material })
     }
 
     /// Whether some material bends bands of the spectrum differently.
@@ -548,7 +548,7 @@ impl Prepared {
             Some(number) => self.dispersed[number as usize][band as usize],
             None => material.bsdf.with_eta(border.eta_at(bands.get(band).wavelength_nm)),
         };
-        (worth, room.insert(PreparedMaterial { bsdf, ..*material }))
+        (worth, room.insert(PreparedMaterial { bsdf, albedo: None, ..*material }))
     }
 
     /// The albedo of a material that varies and is nothing but Lambert's; `None` for all others.

@@ -203,35 +203,41 @@ impl<'p> MetPacket<'p> {
         if self.lambert >> lane & 1 == 1 {
             return Some(at(&self.albedo, lane).to_array().into());
         }
-        Some(self.materials[lane]?.bsdf.albedo())
+        Some(self.materials[lane]?.albedo())
     }
 
-    /// Tells what the camera rays `there` met first.
+    /// Tells what the camera rays `there` met first, and more of it where there is a bit in `looks`.
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     pub(super) fn tell_firsts(
         &self,
         scene: &Prepared,
         view: &View,
-        albedos: u32,
+        looks: u32,
         rays: &RayPacket,
         there: u32,
         slot: &[u32; LANES],
-        firsts: &mut [Option<First>],
+        objects: &mut [u32],
+        firsts: &mut Vec<(u32, First)>,
     ) {
-        for lane in each_lane(there & !self.sky) {
-            if let (Some(first), Some(hit)) =
-                (firsts.get_mut(slot[lane] as usize), self.hits.hit(lane))
-            {
-                let black = self.black >> lane & 1 == 1;
-                let albedo = || match self.albedo_of(lane) {
-                    Some(albedo) if !black => albedo,
-                    Some(_) | None => Spectrum::BLACK,
-                };
-                let (normal, wo) = (at(&self.shading_normal, lane), -at(&rays.direction, lane));
-                let wanted = albedos >> lane & 1 == 1;
-                *first = Some(view.first(scene, &hit, normal, wo, wanted.then_some(albedo)));
+        let met = there & !self.sky;
+        for lane in each_lane(met) {
+            if let Some(object) = objects.get_mut(slot[lane] as usize) {
+                *object = scene.object_of(self.hits.instance(lane), self.hits.primitive[lane]);
             }
+        }
+        if looks & met == 0 || !view.looks() {
+            return;
+        }
+        for lane in each_lane(met & looks) {
+            let Some(hit) = self.hits.hit(lane) else { continue };
+            let black = self.black >> lane & 1 == 1;
+            let albedo = || match self.albedo_of(lane) {
+                Some(albedo) if !black => albedo,
+                Some(_) | None => Spectrum::BLACK,
+            };
+            let (normal, wo) = (at(&self.shading_normal, lane), -at(&rays.direction, lane));
+            firsts.push((slot[lane], view.first(scene, &hit, normal, wo, albedo)));
         }
     }
 

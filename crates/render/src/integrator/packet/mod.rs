@@ -55,13 +55,14 @@ impl Path<'_> {
         for depth in 1..=self.max_depth {
             for (i, packet) in paths.packets.iter_mut().enumerate() {
                 // The first surfaces are those of the starts, in their order.
-                let view = view.filter(|_| depth == 1).map(|view| (view, starts[i].albedos));
+                let view = view.filter(|_| depth == 1).map(|view| (view, starts[i].looks));
                 self.advance(simd, scene, packet, depth, view, found, &mut paths.media, rays);
             }
             if depth == 1 {
-                // Of paths that have ended already there will be no more.
-                for ([_, direct], radiance) in found.parts.iter_mut().zip(&found.radiance) {
-                    *direct = *radiance;
+                // Of paths that have ended already there will be no more, and of others what they
+                // see next.
+                if !found.direct.is_empty() {
+                    found.direct.copy_from_slice(&found.radiance);
                 }
             }
             paths.close_ranks();
@@ -72,7 +73,7 @@ impl Path<'_> {
     }
 
     /// Takes eight paths from one surface to the next. Those that end are no longer there then. With a
-    /// `view`, and a bit for each path whose albedo is wanted, tells what they met.
+    /// `view` tells what they met, and more of it where there is a bit for the path.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     fn advance<S: Simd, N: Sampler>(
@@ -86,7 +87,7 @@ impl Path<'_> {
         media: &mut [Media],
         rays: &mut u64,
     ) {
-        let Found { radiance, parts, firsts, .. } = found;
+        let Found { radiance, emission, direct, objects, firsts, .. } = found;
         let there = paths.rays.there();
         *rays += u64::from(there.count_ones());
 
@@ -105,8 +106,8 @@ impl Path<'_> {
             ));
         }
 
-        if let Some((view, albedos)) = view {
-            met.tell_firsts(scene, view, albedos, &paths.rays, there, &paths.slot, firsts);
+        if let Some((view, looks)) = view {
+            met.tell_firsts(scene, view, looks, &paths.rays, there, &paths.slot, objects, firsts);
         }
 
         // Light of the sky and of surfaces, weighted against having been chosen by light sampling.
@@ -121,13 +122,16 @@ impl Path<'_> {
                 let (previous, lead) = (paths.previous(lane), paths.lead(lane));
                 let seen = self.weighted(scene, &seen, &ray, previous.as_ref(), lead, &mut ());
                 let through = Spectrum::from(throughput.lane(lane).to_array());
-                add(radiance, paths.slot[lane], through * seen);
-            }
-        }
-        if depth <= 2 && !parts.is_empty() {
-            for lane in each_lane(there) {
-                let slot = paths.slot[lane] as usize;
-                parts[slot][depth as usize - 1] = radiance[slot];
+                let slot = paths.slot[lane];
+                add(radiance, slot, through * seen);
+                let part = match depth {
+                    1 => emission.get_mut(slot as usize),
+                    2 => direct.get_mut(slot as usize),
+                    _ => None,
+                };
+                if let Some(part) = part {
+                    *part = radiance[slot as usize];
+                }
             }
         }
         let alive = there & !met.sky & !met.black;
