@@ -15,6 +15,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 use rutilant_geom::lanes::LANES;
 use rutilant_geom::{RayPacket, Vec2, with_vectors};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 /// What has been done so far, counted by all threads.
@@ -245,26 +246,15 @@ impl Rendering<'_> {
                 }
             );
             integrator.estimates(self.scene, &starts, view, &mut found, &mut rays);
-            let weights_of = &weights;
-            let weights = weights.iter().flatten();
+            let weights = weights.as_flattened();
             let mut tile = self.film.tile(index);
             for (i, (&(pixel, number), &weight)) in places.iter().zip(weights).enumerate() {
                 let sample = Sample { pixel, number, weight };
-                let (radiance, control) = (found.radiance[i], found.controls[i]);
-                self.film.add(&mut tile, &sample, radiance, control, found.parts(i));
-            }
-            if !found.objects.is_empty() {
-                let each = (until - next) as usize;
-                let looked = (next..until).filter(|number| looks_at(*number)).count() as u64;
-                let objects = found.objects[..places.len()].chunks(each);
-                for ((pixel, _), objects) in places.iter().step_by(each).zip(objects) {
-                    tile.count(*pixel, objects, looked);
-                }
-                for (slot, first) in &found.firsts {
-                    let slot = *slot as usize;
-                    tile.look(places[slot].0, first, weights_of[slot / LANES][slot % LANES]);
+                if !self.film.add(&mut tile, &sample, found.radiance[i], found.controls[i]) {
+                    found.drop_parts(i);
                 }
             }
+            tell(&mut tile, &places, next..until, weights, &found);
             paths += places.len() as u64;
             tile.next_sample = until;
             self.film.publish(index, &tile);
@@ -324,6 +314,33 @@ fn starts_one_by_one<S: Sampler>(
         weights[lane] = weight;
     }
     (Starts { rays, samplers, looks: looks_of(places) }, weights)
+}
+
+/// Adds to a tile what these `samples` of its pixels, which stand in `places`, found beside light.
+fn tell(
+    tile: &mut Tile,
+    places: &[([u32; 2], u64)],
+    samples: Range<u64>,
+    weights: &[f32],
+    found: &Found,
+) {
+    let looked = samples.clone().filter(|number| looks_at(*number)).count() as u64;
+    let each = (samples.end - samples.start) as usize;
+    for (start, (pixel, _)) in places.iter().enumerate().step_by(each) {
+        let its = start..start + each;
+        if let (Some(emission), Some(direct)) =
+            (found.emission.get(its.clone()), found.direct.get(its.clone()))
+        {
+            tile.add_parts(*pixel, [emission, direct], &weights[its.clone()]);
+        }
+        if let Some(objects) = found.objects.get(its) {
+            tile.count(*pixel, objects, looked);
+        }
+    }
+    for (start, first) in &found.firsts {
+        let start = *start as usize;
+        tile.look(places[start].0, first, weights[start]);
+    }
 }
 
 /// The samples of which is asked what they meet, a bit for each.

@@ -14,9 +14,6 @@ use crate::integrator::{First, NOTHING};
 /// The sums of one pixel, in double precision.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Features {
-    /// Samples, and those that met something.
-    count: u64,
-    met: u64,
     /// Samples that were looked at closely, and those of them that met something: the sums below are
     /// theirs.
     looked: u64,
@@ -26,26 +23,67 @@ pub(super) struct Features {
     position: [f64; 3],
     uv: [f64; 2],
     depth: f64,
-    /// How many samples met each object, in the order of the first sample that did.
-    objects: Vec<(u32, u64)>,
+}
+
+/// How many samples of one pixel met each object, or [`NOTHING`]. Apart from the sums, because every
+/// sample counts here.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    /// What the first sample met.
+    main: (u32, u64),
+    others: Vec<(u32, u64)>,
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self { main: (NOTHING, 0), others: Vec::new() }
+    }
+}
+
+impl Seen {
+    /// Counts samples by the object that each met, or [`NOTHING`].
+    pub(super) fn count(&mut self, objects: &[u32]) {
+        for same in objects.chunk_by(|a, b| a == b) {
+            let (object, more) = (same[0], same.len() as u64);
+            if self.main.1 == 0 || self.main.0 == object {
+                self.main = (object, self.main.1 + more);
+                continue;
+            }
+            match self.others.iter_mut().find(|(known, _)| *known == object) {
+                Some((_, count)) => *count += more,
+                None => self.others.push((object, more)),
+            }
+        }
+    }
+
+    /// 1 and the number of what most samples met, by a number that each object has; 0 where most
+    /// met nothing.
+    fn most(&self, number_of: impl Fn(u32) -> u32) -> f32 {
+        let counts = self.counted(|object| number_of(object) + 1);
+        counts.first().map_or(0.0, |(number, _)| *number as f32)
+    }
+
+    /// How many samples met what has the same number, or nothing, which has the number 0: the most
+    /// first.
+    fn counted(&self, number_of: impl Fn(u32) -> u32) -> Vec<(u32, u64)> {
+        let mut counts: Vec<(u32, u64)> = Vec::with_capacity(self.others.len() + 1);
+        let main = Some(self.main).filter(|(_, count)| *count > 0);
+        for (object, count) in main.into_iter().chain(self.others.iter().copied()) {
+            let number = if object == NOTHING { 0 } else { number_of(object) };
+            match counts.iter_mut().find(|(known, _)| *known == number) {
+                Some((_, sum)) => *sum += count,
+                None => counts.push((number, count)),
+            }
+        }
+        counts.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
+        counts
+    }
 }
 
 impl Features {
-    /// Counts samples by the object that each met, or [`NOTHING`]; `looked` of them are looked at.
-    pub(super) fn count(&mut self, objects: &[u32], looked: u64) {
-        self.count += objects.len() as u64;
+    /// So many more samples are looked at; of those that met nothing nothing else is told.
+    pub(super) fn expect(&mut self, looked: u64) {
         self.looked += looked;
-        for same in objects.chunk_by(|a, b| a == b) {
-            let (object, more) = (same[0], same.len() as u64);
-            if object == NOTHING {
-                continue;
-            }
-            self.met += more;
-            match self.objects.iter_mut().find(|(known, _)| *known == object) {
-                Some((_, count)) => *count += more,
-                None => self.objects.push((object, more)),
-            }
-        }
     }
 
     /// Adds what a sample met that is looked at and counts `weight`.
@@ -67,30 +105,6 @@ impl Features {
     /// The mean over those that met something.
     fn mean_of_found(&self, sum: f64) -> f32 {
         if self.found > 0 { (sum / self.found as f64) as f32 } else { 0.0 }
-    }
-
-    /// 1 and the number of what most samples met, by a number that each object has; 0 where most
-    /// met nothing.
-    fn most(&self, number_of: impl Fn(u32) -> u32) -> f32 {
-        let of = |object| number_of(object) + 1;
-        let counts = self.counted(0, of);
-        counts.first().map_or(0.0, |(number, _)| *number as f32)
-    }
-
-    /// How many samples met what has the same number, or nothing, which has the number `nothing`: the
-    /// most first.
-    fn counted(&self, nothing: u32, number_of: impl Fn(u32) -> u32) -> Vec<(u32, u64)> {
-        let mut counts: Vec<(u32, u64)> = Vec::with_capacity(self.objects.len() + 1);
-        let met = self.objects.iter().map(|&(object, count)| (number_of(object), count));
-        let missed = (self.count > self.met).then_some((nothing, self.count - self.met));
-        for (number, count) in met.chain(missed) {
-            match counts.iter_mut().find(|(known, _)| *known == number) {
-                Some((_, sum)) => *sum += count,
-                None => counts.push((number, count)),
-            }
-        }
-        counts.sort_by_key(|&(number, count)| (std::cmp::Reverse(count), number));
-        counts
     }
 }
 
@@ -137,38 +151,41 @@ const MEANS: [(Layer, &[(&str, Reading)]); 5] = [
 ];
 
 /// The channels of `layers` for these pixels, in their order.
-pub(super) fn channels(layers: Layers, pixels: &[Features], ids: &Ids) -> Vec<Channel> {
-    let channel = |name: &str, value: &dyn Fn(&Features) -> f32| Channel {
-        name: name.to_owned(),
-        values: pixels.iter().map(value).collect(),
-    };
+pub(super) fn channels(
+    layers: Layers,
+    pixels: &[Features],
+    seen: &[Seen],
+    ids: &Ids,
+) -> Vec<Channel> {
+    let channel = |name: &str, values| Channel { name: name.to_owned(), values };
     let mut channels = Vec::new();
     for (layer, readings) in MEANS {
         if layers.has(layer) {
-            channels.extend(readings.iter().map(|(name, reading)| channel(name, reading)));
+            channels.extend(
+                readings
+                    .iter()
+                    .map(|(name, reading)| channel(name, pixels.iter().map(reading).collect())),
+            );
         }
     }
     if layers.has(Layer::Object) {
-        channels.push(channel("object.id", &|pixel| pixel.most(|object| object)));
+        let numbers = seen.iter().map(|pixel| pixel.most(|object| object));
+        channels.push(channel("object.id", numbers.collect()));
     }
     if layers.has(Layer::Material) {
-        channels.push(channel("material.id", &|pixel| pixel.most(|o| ids.material_of(o))));
+        let numbers = seen.iter().map(|pixel| pixel.most(|object| ids.material_of(object)));
+        channels.push(channel("material.id", numbers.collect()));
     }
     if layers.has(Layer::Cryptomatte) {
         for (kind, name) in cryptomatte::NAMES.into_iter().enumerate() {
-            mattes(name, pixels, |object| ids.of(object)[kind], &mut channels);
+            mattes(name, seen, |object| ids.of(object)[kind], &mut channels);
         }
     }
     channels
 }
 
 /// Ids and their coverages, rank by rank.
-fn mattes(
-    name: &str,
-    pixels: &[Features],
-    id_of: impl Fn(u32) -> u32,
-    channels: &mut Vec<Channel>,
-) {
+fn mattes(name: &str, pixels: &[Seen], id_of: impl Fn(u32) -> u32, channels: &mut Vec<Channel>) {
     /// Two ranks fill the four channels of a level; this many levels are usual.
     const LEVELS: usize = 3;
     let mut levels: Vec<[Vec<f32>; 4]> = Vec::new();
@@ -179,13 +196,15 @@ fn mattes(
         more(&mut levels);
     }
     for (at, pixel) in pixels.iter().enumerate() {
-        for (rank, (id, count)) in pixel.counted(0, &id_of).into_iter().enumerate() {
+        let counts = pixel.counted(&id_of);
+        let all: u64 = counts.iter().map(|(_, count)| count).sum();
+        for (rank, (id, count)) in counts.into_iter().enumerate() {
             let (level, half) = (rank / 2, rank % 2 * 2);
             if level == levels.len() {
                 more(&mut levels);
             }
             levels[level][half][at] = f32::from_bits(id);
-            levels[level][half + 1][at] = (count as f64 / pixel.count as f64) as f32;
+            levels[level][half + 1][at] = (count as f64 / all as f64) as f32;
         }
     }
     for (level, values) in levels.into_iter().enumerate() {

@@ -23,7 +23,7 @@ use crate::cryptomatte::Ids;
 use crate::image::{Channel, Image};
 use crate::integrator::First;
 use crate::math::morton;
-use features::Features;
+use features::{Features, Seen};
 use learned::Learned;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -92,6 +92,8 @@ pub(crate) struct Tile {
     learned: Vec<Learned>,
     /// What each pixel sees; empty where no layer asks for it.
     features: Vec<Features>,
+    /// Which objects; empty where no layer asks for it.
+    seen: Vec<Seen>,
     /// Of the sums of each pixel what was seen without a bounce, and that with what came after one;
     /// empty where no layer asks for it.
     parts: Vec<[[f64; 3]; 2]>,
@@ -150,21 +152,33 @@ impl Tile {
         finite
     }
 
-    /// Adds what was found without a bounce, and that with what was found after one, of a sample of
-    /// pixel `i` that has been added.
-    fn add_parts(&mut self, i: usize, parts: [Spectrum; 2]) {
-        for (sums, part) in self.parts[i].iter_mut().zip(parts).filter(|(_, part)| !part.is_black())
-        {
-            for (sum, value) in sums.iter_mut().zip(part.channels()) {
-                *sum += f64::from(value);
+    /// Adds of samples of a pixel, with their weights, what was found without a bounce, and that with
+    /// what was found after one. What was dropped is black.
+    pub(crate) fn add_parts(
+        &mut self,
+        pixel: [u32; 2],
+        [emission, direct]: [&[Spectrum]; 2],
+        weights: &[f32],
+    ) {
+        let i = self.index(pixel);
+        let mut sums = self.parts[i];
+        for (weight, parts) in weights.iter().zip(emission.iter().zip(direct)) {
+            for (sums, part) in sums.iter_mut().zip([parts.0, parts.1]) {
+                for (sum, value) in sums.iter_mut().zip((*part * *weight).channels()) {
+                    *sum += f64::from(value);
+                }
             }
         }
+        self.parts[i] = sums;
     }
 
     /// Counts the objects that samples of a pixel met first; `looked` of them are looked at.
     pub(crate) fn count(&mut self, pixel: [u32; 2], objects: &[u32], looked: u64) {
         let i = self.index(pixel);
-        self.features[i].count(objects, looked);
+        self.seen[i].count(objects);
+        if looked > 0 {
+            self.features[i].expect(looked);
+        }
     }
 
     /// Adds what a sample met first that is looked at and counts `weight`.
@@ -223,6 +237,7 @@ impl Film {
                     pixels: vec![Pixel::default(); pixels],
                     learned: vec![Learned::default(); if learns { pixels } else { 0 }],
                     features: vec![Features::default(); seen],
+                    seen: vec![Seen::default(); seen],
                     parts: vec![[[0.0; 3]; 2]; parted],
                 })
             })
@@ -247,23 +262,22 @@ impl Film {
     }
 
     /// Adds the radiance that a sample brought to its tile, with a `control` whose mean is zero and
-    /// whose noise it may share, and with its `parts`, where they are asked for: see
-    /// [`Found`](crate::integrator::Found). A value that is not finite is dropped and counted.
+    /// whose noise it may share. A value that is not finite is dropped and counted, and false is
+    /// given back.
     pub(crate) fn add(
         &self,
         tile: &mut Tile,
         sample: &Sample,
         radiance: Spectrum,
         control: f32,
-        parts: Option<[Spectrum; 2]>,
-    ) {
+    ) -> bool {
         let &Sample { pixel, number, weight } = sample;
         let i = tile.index(pixel);
-        if !tile.add(i, radiance * weight, control * weight) {
+        let added = tile.add(i, radiance * weight, control * weight);
+        if !added {
             self.drop_sample(pixel, number);
-        } else if let Some(parts) = parts {
-            tile.add_parts(i, parts.map(|part| part * weight));
         }
+        added
     }
 
     /// Locks a tile.
@@ -327,7 +341,9 @@ impl Film {
                     channel.values[at] = value;
                 }
             }
-            for Channel { name, values } in features::channels(self.layers, &tile.features, ids) {
+            for Channel { name, values } in
+                features::channels(self.layers, &tile.features, &tile.seen, ids)
+            {
                 // Some tiles may need more ranks than others.
                 let known = layers.iter().position(|layer| layer.name == name);
                 let number = known.unwrap_or_else(|| {
@@ -393,7 +409,7 @@ mod tests {
             ([7, 8], 2, Spectrum::splat(f32::INFINITY)),
             ([9, 8], 1, Spectrum::from([0.0, f32::NAN, 0.0])),
         ] {
-            film.add(&mut tile, &Sample { pixel, number, weight: 1.0 }, value, 0.0, None);
+            film.add(&mut tile, &Sample { pixel, number, weight: 1.0 }, value, 0.0);
         }
         drop(tile);
         let first = Some(DroppedSample { sample: 1, y: 8, x: 9 });

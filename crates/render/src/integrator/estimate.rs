@@ -47,10 +47,13 @@ impl Found {
         self.firsts.clear();
     }
 
-    /// The parts of the radiance of a start, where they are asked for: what was seen without a
-    /// bounce, and that with what came after one.
-    pub(crate) fn parts(&self, start: usize) -> Option<[Spectrum; 2]> {
-        Some([*self.emission.get(start)?, *self.direct.get(start)?])
+    /// Leaves out the parts of the radiance of a start.
+    pub(crate) fn drop_parts(&mut self, start: usize) {
+        for part in [&mut self.emission, &mut self.direct] {
+            if let Some(part) = part.get_mut(start) {
+                *part = Spectrum::BLACK;
+            }
+        }
     }
 }
 
@@ -58,7 +61,7 @@ impl Found {
 pub(crate) struct Watched {
     pub(crate) radiance: Spectrum,
     pub(crate) control: f32,
-    /// As [`Found::parts`].
+    /// What was seen without a bounce, and that with what came after one.
     pub(crate) parts: [Spectrum; 2],
     /// The number of the object that was met first, and more of it where that is asked for.
     pub(crate) first: Option<(u32, Option<First>)>,

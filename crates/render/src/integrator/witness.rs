@@ -14,7 +14,7 @@ pub(super) struct Witness<'a> {
     view: &'a View,
     look: bool,
     first: Option<(u32, Option<First>)>,
-    /// As [`Found::parts`](super::estimate::Found::parts).
+    /// As those of [`Watched`].
     parts: [Spectrum; 2],
     /// The depths that the path has reached.
     depth: u32,
