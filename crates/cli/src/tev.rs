@@ -287,7 +287,7 @@ fn areas(image: &Image) -> impl Iterator<Item = Crop> + use<> {
     /// Numbers in a packet: with its head it fits in the mebibyte that tev reads at once.
     const MOST: u32 = 250_000;
     let (width, height) = (image.width(), image.height());
-    let pixels = MOST / (image.channels().len() as u32).clamp(1, MOST);
+    let pixels = MOST / (told(image).len() as u32).clamp(1, MOST);
     let columns = width.clamp(1, pixels);
     let rows = pixels / columns;
     let row = move |y| {
@@ -300,6 +300,16 @@ fn areas(image: &Image) -> impl Iterator<Item = Crop> + use<> {
     (0..height).step_by(rows as usize).flat_map(row)
 }
 
+/// The channels of light: the others are for files, and those of mattes become more where later
+/// samples see more, which tev could not show.
+fn told(image: &Image) -> Vec<&Channel> {
+    let of_light = |channel: &&Channel| {
+        let layer = channel.name.rsplit_once('.').map_or("", |(layer, _)| layer);
+        ["", "variance", "samples"].contains(&layer)
+    };
+    image.channels().iter().filter(of_light).collect()
+}
+
 /// The packet that makes a black image with the size and the channels of `image`, and brings it
 /// to the front. If there is one of this name, it is replaced.
 fn create(name: &str, image: &Image) -> Vec<u8> {
@@ -307,19 +317,19 @@ fn create(name: &str, image: &Image) -> Vec<u8> {
     packet.byte(1);
     packet.text(name);
     packet.numbers([image.width(), image.height()]);
-    packet.names(image.channels());
+    packet.names(&told(image));
     packet.finish()
 }
 
 /// The packet that puts the part `area` of `image` in its place, and leaves in front what is there.
 fn update(name: &str, image: &Image, area: Crop) -> Vec<u8> {
     let Crop { x, y, width, height } = area;
-    let channels = image.channels();
+    let channels = told(image);
     let pixels = u64::from(width) * u64::from(height);
     let mut packet = Packet::new(6, channels.len() * pixels as usize * 4);
     packet.byte(0);
     packet.text(name);
-    packet.names(channels);
+    packet.names(&channels);
     packet.numbers([x, y, width, height]);
     // Channel after channel: where each begins, and how far apart its values are.
     (0..channels.len() as u64).for_each(|i| packet.long(i * pixels));
@@ -363,7 +373,7 @@ impl Packet {
         self.0.extend(number.to_le_bytes());
     }
 
-    fn names(&mut self, channels: &[Channel]) {
+    fn names(&mut self, channels: &[&Channel]) {
         self.numbers([channels.len() as u32]);
         channels.iter().for_each(|channel| self.text(&channel.name));
     }
@@ -474,6 +484,20 @@ mod tests {
         ];
         let area = Crop { x: 1, y: 1, width: 2, height: 1 };
         assert_eq!(update("k", &small(), area), expected.concat());
+    }
+
+    /// A picture with layers is told as one without: the channels of an image in tev are those that it
+    /// was made with, and mattes may need more of them later.
+    #[test]
+    fn layers_are_not_told() {
+        let mut channels = small().channels().to_vec();
+        for name in ["albedo.R", "object.id", "CryptoObject00.R"] {
+            channels.push(Channel { name: name.to_owned(), values: vec![9.0; 6] });
+        }
+        let layered = Image::new(3, 2, channels).unwrap();
+        let area = Crop { x: 0, y: 0, width: 3, height: 2 };
+        assert_eq!(create("k", &layered), create("k", &small()));
+        assert_eq!(update("k", &layered, area), update("k", &small(), area));
     }
 
     /// The parts of any picture lie side by side and cover it, and no packet is more than tev

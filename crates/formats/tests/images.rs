@@ -312,6 +312,56 @@ fn exr_keeps_counts_and_variances_in_full() {
     assert_eq!(bits(&back), bits(&strange));
 }
 
+/// Layers keep their names, and each the type that it needs, whatever the colours are stored in: ids
+/// count, the bits of mattes are hashes, and places have more than three digits.
+#[test]
+fn exr_layers_have_the_types_they_need() {
+    const UINT: u8 = 0;
+    const HALF: u8 = 1;
+    const FLOAT: u8 = 2;
+    let layers = [
+        ("R", HALF),
+        ("albedo.R", HALF),
+        ("normal.X", HALF),
+        ("emission.R", HALF),
+        ("direct.R", HALF),
+        ("indirect.R", HALF),
+        ("depth.Z", FLOAT),
+        ("position.X", FLOAT),
+        ("uv.U", FLOAT),
+        ("variance.R", FLOAT),
+        ("CryptoObject00.R", FLOAT),
+        ("CryptoMaterial12.A", FLOAT),
+        ("CryptoAsset00.G", FLOAT),
+        ("object.id", UINT),
+        ("material.id", UINT),
+        ("samples.Y", UINT),
+    ];
+    let names = layers.map(|(name, _)| name);
+    let value = |c: usize, i: usize| match layers[c].1 {
+        // A million and one is no half, and neither is the float whose bits are an id.
+        UINT => 1_000_001.0 + i as f32,
+        FLOAT => f32::from_bits(0x3ae3_9a51 + i as u32),
+        _ => 0.25 * i as f32,
+    };
+    let original = image(3, 2, &names, value);
+    let half = WriteOptions { precision: Precision::Half, ..WriteOptions::default() };
+    for (options, colors) in [(half, HALF), (WriteOptions::default(), FLOAT)] {
+        let (bytes, back) = round_trip("a.exr", Pixels::Light(&original), &options);
+        for (name, kind) in layers {
+            assert_eq!(back.channel(name), original.channel(name), "{name}");
+            let entry = [b"\0", name.as_bytes(), b"\0"].concat();
+            let at = bytes.windows(entry.len()).position(|w| w == entry).expect("a channel");
+            let expected = if kind == HALF { colors } else { kind };
+            assert_eq!(bytes[at + entry.len()], expected, "{name}");
+        }
+    }
+    // A name that old readers could not take is refused.
+    let long = image(1, 1, &["a_layer_of_more_than_thirty.red2"], |_, _| 0.0);
+    let error = write(Path::new("a.exr"), Pixels::Light(&long), &WriteOptions::default());
+    assert!(error.is_err());
+}
+
 /// Greys, palettes, alpha and 16 bits. Alpha is not encoded, so it is not decoded.
 #[test]
 fn png_kinds_are_understood() {
