@@ -6,7 +6,7 @@ use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::geom::{BuildOptions, Quality, Simd};
 use rutilant::scene::MOST_LIGHT;
-use rutilant::settings::{Crop, IntegratorKind, SamplerKind};
+use rutilant::settings::{Crop, IntegratorKind, Layer, Layers, SamplerKind};
 use rutilant_formats::{CameraChoice, Limits, SkyChoice};
 use std::time::Duration;
 
@@ -109,6 +109,23 @@ pub(crate) fn limit(text: &str) -> Result<(&'static str, u64), String> {
     let number = number.filter(|_| digits.starts_with(|c: char| c.is_ascii_digit()));
     let number = number.ok_or("write a whole number, like 2000000, 500k, 2M or 8G")?;
     Ok((name, number))
+}
+
+/// `all`, `none`, or names of layers.
+pub(crate) fn layers(text: &str) -> Result<Layers, String> {
+    match text {
+        "all" => return Ok(Layers::all()),
+        "none" => return Ok(Layers::NONE),
+        _ => {}
+    }
+    let layer = |name: &str| {
+        let known = Layer::ALL.into_iter().find(|(known, _)| *known == name.trim());
+        known.map(|(_, layer)| layer).ok_or_else(|| {
+            let names = Layer::ALL.map(|(name, _)| name).join(", ");
+            format!("there are {names}; or write all or none")
+        })
+    };
+    text.split(',').map(layer).collect()
 }
 
 /// `spp=64`: the name of a parameter of a scene, and what it stands for.
@@ -271,10 +288,10 @@ pub(crate) enum Bits {
 }
 
 /// Which channels are kept in .exr files.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Channels {
     #[default]
-    /// R, G, B, the variance of each pixel's mean, and how many samples it has
+    /// R, G, B, the variance of each pixel's mean, how many samples it has, and the layers
     All,
     /// R, G, B: half the size
     Color,
@@ -377,6 +394,17 @@ mod tests {
         assert_eq!(crop("1, 2,3,4"), Ok(Crop { x: 1, y: 2, width: 3, height: 4 }));
         for wrong in ["", "1,2,3", "1,2,3,4,5", "-1,2,3,4", "a,b,c,d"] {
             assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn layers_are_names() {
+        assert_eq!(layers("all"), Ok(Layers::all()));
+        assert_eq!(layers("none"), Ok(Layers::NONE));
+        let two = Layers::NONE.with(Layer::Albedo).with(Layer::Normal);
+        assert_eq!(layers("albedo, normal"), Ok(two));
+        for wrong in ["", "albedo,", "Albedo", "albedo;normal", "all,albedo"] {
+            assert!(layers(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -56,6 +56,11 @@ pub(crate) fn write(
     }
 }
 
+/// True for files that hold more channels than those of a colour.
+pub(crate) fn holds_layers(path: &Path) -> bool {
+    Format::from_path(path).is_ok_and(|format| format == Format::Exr)
+}
+
 /// True for files that hold light rather than what a display shows.
 pub(crate) fn holds_light(path: &Path) -> bool {
     Format::from_path(path).is_ok_and(|format| !format.is_for_display())

@@ -10,9 +10,10 @@ use crate::progress::{Goal, Reporter, Spinner, Style};
 use crate::say::{print_json, print_line, tell};
 use crate::tev;
 use crate::text::{scaled, several, time};
+use rutilant::cryptomatte;
 use rutilant::display::Display;
 use rutilant::image::Image;
-use rutilant::settings::{Crop, Settings};
+use rutilant::settings::{Crop, Layer, Layers, Settings};
 use rutilant::{Prepared, Progress, Session};
 use rutilant_formats::LoadedScene;
 use rutilant_formats::image::{check_size, check_writable};
@@ -29,6 +30,7 @@ Examples:
   rutilant render kitchen.toml --size 3840x2160 --crop 1600,900,640,360
                                                         a window of a large picture, the same pixels
   rutilant render kitchen.toml --integrator normals     what the camera sees, without light
+  rutilant render kitchen.toml --layers all -o out.exr  albedo, normals, depth, mattes … beside light
   rutilant render kitchen.toml --focus-on 400,300       what is in this pixel becomes sharp
   rutilant render kitchen.toml --tev localhost          watch it in tev, while it is rendered
 
@@ -90,6 +92,10 @@ pub(crate) struct Args {
     /// Which channels .exr files hold
     #[arg(long, value_name = "NAME", help_heading = FILES, value_enum, default_value_t = Channels::All)]
     channels: Channels,
+    /// What .exr files hold beside light: all, none, or some of albedo, normal, depth, position, uv,
+    /// object, material, light, cryptomatte, with commas between [default: what the scene asks for]
+    #[arg(long, value_name = "NAMES", help_heading = FILES, value_parser = options::layers)]
+    layers: Option<Layers>,
 
     #[command(flatten)]
     reading: Reading,
@@ -204,6 +210,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         let name = options::name(&integrator);
         notes.push(format!("--max-depth changes nothing: the integrator \"{name}\" ignores it"));
     }
+    let mattes = settings.layers.has(Layer::Cryptomatte) && args.channels == Channels::All;
+    let mattes = if mattes { cryptomatte::metadata(&loaded.scene) } else { Vec::new() };
     drop(loaded.scene);
     drop(spinner);
     if !args.quiet {
@@ -221,8 +229,13 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
     let hash = format!("{:016x}", rendered.image.hash());
     let detail = Detail { bits: args.bits, channels: args.channels };
     let metadata = metadata(&settings, rendered.progress.samples, args.focus_on, args.no_caustics);
-    let write =
-        |path: &PathBuf| output::write(path, &rendered.image, &display, detail, metadata.clone());
+    let write = |path: &PathBuf| {
+        let mut metadata = metadata.clone();
+        if output::holds_layers(path) {
+            metadata.extend(mattes.iter().cloned());
+        }
+        output::write(path, &rendered.image, &display, detail, metadata)
+    };
     let (written, writing) =
         timed(|| interrupt.while_writing(|| outputs.iter().map(write).collect::<Vec<_>>()));
     if let Some(trouble) = rendered.viewer.take().and_then(tev::Viewer::finish) {
@@ -343,6 +356,7 @@ fn settings(args: &Args, scene: &Settings) -> Settings {
         sampler: args.sampler.map_or(scene.sampler, Into::into),
         seed: args.seed.unwrap_or(scene.seed),
         caustics: scene.caustics && !args.no_caustics,
+        layers: args.layers.unwrap_or(scene.layers),
         ..scene.clone()
     }
 }

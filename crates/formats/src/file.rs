@@ -64,6 +64,13 @@ pub(crate) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 
+/// The name of a file without its folder and its extension, or both extensions where it is packed.
+pub(crate) fn title(path: &Path) -> String {
+    let stem = Path::new(path.file_stem().unwrap_or_default());
+    let stem = if extension(path) == "gz" { stem.file_stem() } else { Some(stem.as_os_str()) };
+    stem.unwrap_or_default().to_string_lossy().into_owned()
+}
+
 /// What is said of a file whose extension is none of the `known` ones. `what` is the kind of
 /// file that was wanted: "image", "scene".
 pub(crate) fn unknown_format<'k>(

@@ -5,6 +5,7 @@ mod common;
 use rutilant::Session;
 use rutilant::camera::Camera;
 use rutilant::color::Rgb;
+use rutilant::cryptomatte;
 use rutilant::film::Filter;
 use rutilant::geom::Vec3;
 use rutilant::light::{EnvironmentLight, Light, SpotLight};
@@ -427,6 +428,23 @@ fn lights_shine_as_they_should() {
         let there = scene.objects[0].world_from_object.translation();
         assert!((there - center).length() < 1e-5, "{transform}: {there}");
     }
+}
+
+/// Mattes go by ids: a shape's own, else its BSDF's; what a group holds is a part of it.
+#[test]
+fn things_go_by_their_ids() {
+    let loaded = read(
+        "<bsdf type=\"diffuse\" id=\"oak\"/>\
+         <shape type=\"sphere\" id=\"ball\"/>\
+         <shape type=\"disk\"><ref id=\"oak\"/></shape>\
+         <shape type=\"shapegroup\" id=\"garden/tree\"><shape type=\"disk\" id=\"leaf\"/>\
+         <shape type=\"rectangle\"><ref id=\"oak\"/></shape></shape>\
+         <shape type=\"instance\" id=\"one\"><ref id=\"garden/tree\"/></shape>",
+    );
+    let scene = &loaded.scene;
+    let names: Vec<_> =
+        (0..scene.objects.len()).map(|i| cryptomatte::object_name(scene, i)).collect();
+    assert_eq!(names, ["ball", "oak", "gardentree/leaf", "gardentree/oak"]);
 }
 
 /// Lamps glow on their front; those that name no BSDF are black, other shapes grey.

@@ -46,11 +46,16 @@ fn binary_triangle(big: bool) -> Vec<u8> {
     file(&format!("format binary_{name}_endian 1.0\n{TRIANGLE}"), &body)
 }
 
+/// What a file "a.ply" that has nothing would be: meshes are named after their files.
+fn empty() -> Mesh {
+    Mesh { name: "a".to_owned(), ..Mesh::default() }
+}
+
 fn triangle() -> Mesh {
     Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.5, 0.0)],
         triangles: vec![[0, 1, 2]],
-        ..Mesh::default()
+        ..empty()
     }
 }
 
@@ -124,7 +129,7 @@ fn properties_are_found_among_others() {
             normals: vec![Vec3::Z, Vec3::Y, Vec3::X],
             uvs: [[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]].map(Vec2::from).to_vec(),
             triangles: vec![[2, 1, 0]],
-            ..Mesh::default()
+            ..empty()
         };
         assert_eq!(mesh, expected);
         assert_eq!(
@@ -510,5 +515,5 @@ fn further_properties_of_vertices_are_read() {
         ["red", "green", "blue", "alpha"].map(|name| format!("property uchar {name}\n")).concat();
     let (mesh, notes) = vertex(&colors, "255 128 0 255");
     assert_eq!(notes, [faceless]);
-    assert_eq!(mesh, Mesh { positions: vec![Vec3::new(1.0, 2.0, 3.0)], ..Mesh::default() });
+    assert_eq!(mesh, Mesh { positions: vec![Vec3::new(1.0, 2.0, 3.0)], ..empty() });
 }

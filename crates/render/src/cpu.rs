@@ -1,10 +1,10 @@
 //! Passes over the film: tiles shared out among threads, the same bits for any number of them.
 
 use crate::camera::PreparedCamera;
-use crate::film::{Crop, Film, FilterSampler, Splat, Splats, Tile};
+use crate::film::{Crop, Film, FilterSampler, Layers, Sample, Splat, Splats, Tile};
 use crate::integrator::{
-    Albedo, AmbientOcclusion, Caustics, Depth, Direct, Integrator, Naive, Normals, Optimal, Path,
-    Starts, dimension,
+    Albedo, AmbientOcclusion, Caustics, Depth, Direct, Found, Integrator, Naive, Normals, Optimal,
+    Path, Starts, View, dimension,
 };
 use crate::light::EmitterSelection;
 use crate::math::{from_morton, morton};
@@ -15,6 +15,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 use rutilant_geom::lanes::LANES;
 use rutilant_geom::{RayPacket, Vec2, with_vectors};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 /// What has been done so far, counted by all threads.
@@ -38,6 +39,8 @@ impl Counters {
 struct Eye<'a> {
     camera: &'a PreparedCamera,
     filter: &'a FilterSampler,
+    /// What is asked about its paths beside their light.
+    view: Option<&'a View>,
 }
 
 /// So many samples of a tile's pixels are on their way together. Those of a pixel follow each other:
@@ -70,7 +73,9 @@ impl Rendering<'_> {
         let tree = || Some((self.scene.light_tree()?, self.scene.surfaces().level()));
         let camera = self.scene.focused_camera(settings.size);
         let filter = FilterSampler::new(&settings.filter);
-        let eye = Eye { camera: &camera, filter: &filter };
+        let layers = settings.kept_layers();
+        let view = (layers != Layers::NONE).then(|| View::new(&self.scene.camera, layers));
+        let eye = Eye { camera: &camera, filter: &filter, view: view.as_ref() };
         match settings.integrator {
             IntegratorKind::Path => {
                 let path = Path {
@@ -211,14 +216,14 @@ impl Rendering<'_> {
         index: usize,
         until_sample: u64,
         integrator: &I,
-        Eye { camera, filter }: Eye<'_>,
+        Eye { camera, filter, view }: Eye<'_>,
     ) {
         let settings = self.settings;
         let Tile { area, next_sample: mut next, .. } = *self.film.tile(index);
         let sequence = Sequence::new(settings.seed, settings.planned_spp.unwrap_or(settings.spp));
         let (mut rays, mut paths) = (0, 0);
         let mut starts = Vec::<Starts<S>>::new();
-        let (mut weights, mut found) = (Vec::new(), Vec::new());
+        let (mut weights, mut found) = (Vec::new(), Found::default());
         while next < until_sample && !self.stop.load(Ordering::Relaxed) {
             let until = until_sample.min(next + SAMPLES_AT_ONCE);
             let samples = next..until;
@@ -227,7 +232,6 @@ impl Rendering<'_> {
             let places: Vec<([u32; 2], u64)> = places.collect();
             starts.clear();
             weights.clear();
-            found.clear();
             with_vectors!(
                 self.scene.surfaces().level(),
                 simd => for places in places.chunks(LANES) {
@@ -241,14 +245,16 @@ impl Rendering<'_> {
                     weights.push(weight);
                 }
             );
-            integrator.estimates(self.scene, &starts, &mut found, &mut rays);
-            let weights = weights.iter().flatten();
+            integrator.estimates(self.scene, &starts, view, &mut found, &mut rays);
+            let weights = weights.as_flattened();
             let mut tile = self.film.tile(index);
-            for ((&(pixel, sample), &(radiance, control)), &weight) in
-                places.iter().zip(&found).zip(weights)
-            {
-                self.film.add(&mut tile, pixel, sample, radiance * weight, control * weight);
+            for (i, (&(pixel, number), &weight)) in places.iter().zip(weights).enumerate() {
+                let sample = Sample { pixel, number, weight };
+                if !self.film.add(&mut tile, &sample, found.radiance[i], found.controls[i]) {
+                    found.drop_parts(i);
+                }
             }
+            tell(&mut tile, &places, next..until, weights, &found);
             paths += places.len() as u64;
             tile.next_sample = until;
             self.film.publish(index, &tile);
@@ -288,7 +294,7 @@ fn starts_of<V: Simd, S: Sampler>(
     for lane in places.len()..LANES {
         rays.t_max[lane] = RayPacket::NONE.t_max[lane];
     }
-    (Starts { rays, samplers }, weight)
+    (Starts { rays, samplers, looks: looks_of(places) }, weight)
 }
 
 /// The same without vector instructions.
@@ -307,7 +313,50 @@ fn starts_one_by_one<S: Sampler>(
         rays.set(lane, &camera.ray(Vec2::new(x[lane], y[lane]) + offset, lens));
         weights[lane] = weight;
     }
-    (Starts { rays, samplers }, weights)
+    (Starts { rays, samplers, looks: looks_of(places) }, weights)
+}
+
+/// Adds to a tile what these `samples` of its pixels, which stand in `places`, found beside light.
+fn tell(
+    tile: &mut Tile,
+    places: &[([u32; 2], u64)],
+    samples: Range<u64>,
+    weights: &[f32],
+    found: &Found,
+) {
+    let looked = samples.clone().filter(|number| looks_at(*number)).count() as u64;
+    let each = (samples.end - samples.start) as usize;
+    for (start, (pixel, _)) in places.iter().enumerate().step_by(each) {
+        let its = start..start + each;
+        if let (Some(emission), Some(direct)) =
+            (found.emission.get(its.clone()), found.direct.get(its.clone()))
+        {
+            tile.add_parts(*pixel, [emission, direct], &weights[its.clone()]);
+        }
+        if let Some(objects) = found.objects.get(its) {
+            tile.count(*pixel, objects, looked);
+        }
+    }
+    for (start, first) in &found.firsts {
+        let start = *start as usize;
+        tile.look(places[start].0, first, weights[start]);
+    }
+}
+
+/// The samples of which is asked what they meet, a bit for each.
+#[inline(always)]
+fn looks_of(places: &[([u32; 2], u64)]) -> u32 {
+    let each = places.iter().enumerate().take(LANES);
+    each.fold(0, |all, (lane, &(_, number))| all | u32::from(looks_at(number)) << lane)
+}
+
+/// Whether a sample of a pixel is looked at: the first, and from then on one run in four, which is
+/// well spread itself, and one packet.
+#[inline(always)]
+fn looks_at(number: u64) -> bool {
+    /// So many samples tell nearly all of it.
+    const ENOUGH: u64 = 16;
+    number < ENOUGH || (number / SAMPLES_AT_ONCE).is_multiple_of(4)
 }
 
 /// The middles of the pixels, and the numbers of their samples.

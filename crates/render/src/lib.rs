@@ -41,6 +41,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod color;
 mod cpu;
+pub mod cryptomatte;
 mod dispersion;
 pub mod display;
 pub mod false_color;

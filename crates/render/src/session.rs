@@ -87,7 +87,7 @@ impl Session {
         let planned = settings.planned_spp.unwrap_or(settings.spp);
         let splats = casting.map(|c| Splats::new(window, settings.size, c.brightest, planned));
         let shared = Arc::new(Shared {
-            film: Film::new(window, settings.learns(), splats),
+            film: Film::new(window, settings.learns(), splats, settings.kept_layers()),
             state: Mutex::new(State {
                 target: settings.spp,
                 pass: 0,
@@ -127,9 +127,10 @@ impl Session {
     }
 
     /// The picture so far: channels `R`, `G`, `B`, the variance of each pixel's mean as
-    /// `variance.R`, `variance.G`, `variance.B`, and the number of samples in it as `samples.Y`.
+    /// `variance.R`, `variance.G`, `variance.B`, the number of samples in it as `samples.Y`, and those
+    /// of the [`Layer`](crate::settings::Layer)s that were asked for.
     pub fn snapshot(&self) -> Image {
-        self.shared.film.image()
+        self.shared.film.image(self.shared.scene.ids())
     }
 
     /// Waits until nothing is being rendered any more, but not longer than `timeout`. Returns

@@ -1,6 +1,6 @@
 //! How a scene is to be rendered: everything about the picture but what is in it.
 
-pub use crate::film::Crop;
+pub use crate::film::{Crop, Layer, Layers};
 
 use crate::film::Filter;
 use crate::problem::{Place, SceneProblem};
@@ -38,6 +38,8 @@ pub struct Settings {
     /// Whether paths that start at lamps help to find the light that glass and mirrors throw on
     /// other surfaces. The picture is the same in the end, with less noise.
     pub caustics: bool,
+    /// What the picture has beside its light. The light is the same, to the bit.
+    pub layers: Layers,
 }
 
 impl Default for Settings {
@@ -57,6 +59,7 @@ impl Default for Settings {
             roulette: Roulette::Throughput,
             light_selection: LightSelection::Auto,
             caustics: true,
+            layers: Layers::NONE,
         }
     }
 }
@@ -158,6 +161,16 @@ impl Settings {
         self.integrator == IntegratorKind::Path
             && self.strategy == Strategy::Both
             && self.heuristic == Heuristic::Optimal
+    }
+
+    /// The layers that can be kept: parts of light are known to the path tracer alone, and not where
+    /// pixels learn to correct its samples.
+    pub(crate) fn kept_layers(&self) -> Layers {
+        if self.integrator == IntegratorKind::Path && !self.learns() {
+            self.layers
+        } else {
+            self.layers.without(Layer::Light)
+        }
     }
 
     /// True when light paths are to be traced wherever they find something.

@@ -14,7 +14,7 @@ use rutilant::display::Display;
 use rutilant::focus::Focus;
 use rutilant::image::Image;
 use rutilant::scene::{Scene, SceneProblem};
-use rutilant::settings::{IntegratorKind, Settings};
+use rutilant::settings::{IntegratorKind, Layers, Settings};
 use rutilant::{Prepared, Progress, Session};
 use rutilant_formats::Look;
 use rutilant_formats::camera::AuthoredCamera;
@@ -752,7 +752,9 @@ impl Worker {
 /// How the window renders: all of the picture, in the order of samples that the scene's number of
 /// them is best for, however far it goes.
 pub(crate) fn window_settings(settings: &Settings, integrator: Option<IntegratorKind>) -> Settings {
-    let mut settings = Settings { crop: None, planned_spp: Some(settings.spp), ..settings.clone() };
+    // Layers are for files that the command line writes.
+    let (planned_spp, layers) = (Some(settings.spp), Layers::NONE);
+    let mut settings = Settings { crop: None, planned_spp, layers, ..settings.clone() };
     if let Some(integrator) = integrator {
         settings.integrator = integrator;
         settings.spp = settings.spp.min(DEBUG_SPP);

@@ -90,7 +90,8 @@ pub(crate) fn changed_over(base: &Settings, changed: &Settings, other: &Settings
         heuristic,
         roulette,
         light_selection,
-        caustics
+        caustics,
+        layers
     )
 }
 

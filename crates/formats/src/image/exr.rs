@@ -246,16 +246,23 @@ fn samples(channel: &Channel, precision: Precision) -> FlatSamples {
     let layer = channel.name.rsplit_once('.').map_or("", |(layer, _)| layer);
     // Halves would count to 2048 only. Whatever is no count stays as it is.
     let is_count = |v: &f32| *v >= 0.0 && *v < u32::MAX as f32 && v.fract() == 0.0;
-    if layer == "samples" && channel.values.iter().all(is_count) {
+    let counts = layer == "samples" || channel.name.ends_with(".id");
+    if counts && channel.values.iter().all(is_count) {
         return FlatSamples::U32(channel.values.iter().map(|&v| v as u32).collect());
     }
     match precision {
-        // The variance of a clean pixel is less than the smallest half.
-        Precision::Half if layer != "variance" => {
+        Precision::Half if !needs_floats(layer) => {
             FlatSamples::F16(channel.values.iter().map(|&v| half(v)).collect())
         }
         Precision::Half | Precision::Float => FlatSamples::F32(channel.values.clone()),
     }
+}
+
+/// Whether halves would spoil a layer: the variance of a clean pixel is less than the smallest half,
+/// places have more than three digits, and ids are nothing but their bits.
+fn needs_floats(layer: &str) -> bool {
+    ["variance", "samples", "depth", "position", "uv", "object", "material"].contains(&layer)
+        || layer.starts_with("Crypto")
 }
 
 /// Names of more bytes need a flag that old readers refuse.

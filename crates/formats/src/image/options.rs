@@ -61,6 +61,7 @@ pub enum Precision {
     #[default]
     Float,
     /// 16 bits: about three digits. Finite values beyond ±65504 become that. Channels of the
-    /// layer `variance` keep 32: most of them would become 0.
+    /// layers `variance`, `depth`, `position` and `uv`, ids and Cryptomatte keep 32: they would lose
+    /// what they are for.
     Half,
 }

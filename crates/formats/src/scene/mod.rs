@@ -2,6 +2,7 @@
 
 mod affine;
 pub(crate) mod bare;
+mod called;
 mod files;
 mod framing;
 pub mod gltf;

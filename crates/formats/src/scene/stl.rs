@@ -28,7 +28,7 @@ pub fn read(path: &Path, limits: &Limits) -> Result<(Mesh, Vec<String>), SceneEr
     read_bytes(&file::scene_bytes(path, limits)?, path, limits)
 }
 
-/// As [`read`], for the content of a file; `path` is only for messages.
+/// As [`read`], for the content of a file; `path` is for messages and the name of a mesh without one.
 ///
 /// # Errors
 /// As [`read`].
@@ -60,6 +60,9 @@ pub fn read_bytes(
                 }
             }
         }
+    }
+    if reader.mesh.name.is_empty() {
+        reader.mesh.name = file::title(path);
     }
     Ok((reader.mesh, reader.notes))
 }

@@ -246,7 +246,9 @@ fn custom_parts_are_refused() {
 /// Meshes, places and pictures that need no disk are found by the names that a text says.
 #[test]
 fn files_of_a_text_may_be_in_memory() {
+    // A mesh is named after its file.
     let mesh = rutilant::shape::Mesh {
+        name: "y".to_owned(),
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         triangles: vec![[0, 1, 2]],
         ..Default::default()

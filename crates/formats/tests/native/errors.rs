@@ -45,6 +45,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     // Keys.
     ("[render]\nssp = 4", r#"9:1: no key "ssp"; did you mean "spp"?"#),
+    ("[render]\nlayers = [\"albdo\"]", r#"9:11: no layer "albdo"; did you mean "albedo"?"#),
     (
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nrougness = 1",
         r#"11:1: no key "rougness"; did you mean "roughness"?"#,
@@ -95,7 +96,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("[environmnt]\ncolor = 1", r#"8:2: no key "environmnt"; did you mean "environment"?"#),
     (
         "[render]\n\"a\\u0007\\nb\" = 1",
-        r#"9:1: no key "a\u{7}\nb" in [render]; there are size, crop, spp, max_depth, integrator, sampler, seed, filter, filter_radius, filter_sigma, filter_bc, strategy, heuristic, roulette, light_selection, caustics, exposure, curve"#,
+        r#"9:1: no key "a\u{7}\nb" in [render]; there are size, crop, spp, max_depth, integrator, sampler, seed, filter, filter_radius, filter_sigma, filter_bc, strategy, heuristic, roulette, light_selection, caustics, layers, exposure, curve"#,
     ),
     // Types.
     (

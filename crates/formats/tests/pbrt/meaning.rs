@@ -2,6 +2,7 @@
 
 use crate::sound;
 use rutilant::color::Rgb;
+use rutilant::cryptomatte;
 use rutilant::film::Filter;
 use rutilant::geom::{Vec2, Vec3};
 use rutilant::light::{EnvironmentLight, Light, SpotLight};
@@ -499,4 +500,24 @@ fn lights_stand_in_the_world() {
     assert_eq!((inner, outer), (30_f32.to_radians(), 40_f32.to_radians()));
     let sky = loaded.scene.environment.expect("a sky");
     assert_eq!(sky.light, EnvironmentLight::Constant(Rgb::new(1.5, 2.5, 3.5)));
+}
+
+/// Mattes go by names that people gave: a shape goes by its material, a part of an object behind that
+/// of the object, which is its asset; slashes within a name make no further asset.
+#[test]
+fn things_go_by_the_names_they_were_given() {
+    let loaded = sound(
+        "MakeNamedMaterial \"oak\" \"string type\" \"diffuse\" Material \"diffuse\" Shape \"disk\" \
+         NamedMaterial \"oak\" Shape \"sphere\" \
+         ObjectBegin \"garden/tree\" Shape \"sphere\" Material \"diffuse\" Shape \"disk\" ObjectEnd \
+         ObjectInstance \"garden/tree\" Translate 3 0 0 ObjectInstance \"garden/tree\"",
+    );
+    let scene = &loaded.scene;
+    let names: Vec<_> =
+        (0..scene.objects.len()).map(|i| cryptomatte::object_name(scene, i)).collect();
+    let tree = ["gardentree/oak", "gardentree"];
+    let expected = ["object 1", "oak", tree[0], tree[1], tree[0], tree[1]];
+    assert_eq!(names, expected);
+    let assets: Vec<_> = names.iter().map(|name| cryptomatte::asset_of(name)).collect();
+    assert_eq!(assets[2..], ["gardentree"; 4]);
 }

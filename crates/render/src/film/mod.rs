@@ -6,18 +6,24 @@
 //! Light paths find pixels by themselves, in any order: see `splats.rs`.
 
 mod crop;
+mod features;
 mod filter;
+mod layers;
 mod learned;
 mod splats;
 
 pub use crop::Crop;
 pub use filter::Filter;
 pub(crate) use filter::FilterSampler;
+pub use layers::{Layer, Layers};
 pub(crate) use splats::{Splat, Splats};
 
 use crate::color::Spectrum;
+use crate::cryptomatte::Ids;
 use crate::image::{Channel, Image};
+use crate::integrator::First;
 use crate::math::morton;
+use features::{Features, Seen};
 use learned::Learned;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -49,6 +55,19 @@ impl Pixel {
         self.sum.map(|s| if self.count > 0 { (s / self.count as f64) as f32 } else { 0.0 })
     }
 
+    /// The mean in parts: what was seen without a bounce, after one, and after more, where `added` is
+    /// what light paths bring. `sums` are those of the first, and of the first two together.
+    fn parted(&self, sums: &[[f64; 3]; 2], added: [f64; 3]) -> [[f32; 3]; 3] {
+        let [emission, direct] = sums;
+        let n = self.count.max(1) as f64;
+        let part = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|c| of(c) as f32);
+        [
+            part(&|c| emission[c] / n),
+            part(&|c| (direct[c] - emission[c]) / n),
+            part(&|c| (self.sum[c] - direct[c]) / n + added[c]),
+        ]
+    }
+
     /// The variance of that mean if samples were independent, 0 before the second. For
     /// stratified samplers it is an upper estimate.
     fn variance_of_mean(&self) -> [f32; 3] {
@@ -71,6 +90,23 @@ pub(crate) struct Tile {
     pixels: Vec<Pixel>,
     /// What each pixel has learnt of its noise; empty where samples tell nothing of it.
     learned: Vec<Learned>,
+    /// What each pixel sees; empty where no layer asks for it.
+    features: Vec<Features>,
+    /// Which objects; empty where no layer asks for it.
+    seen: Vec<Seen>,
+    /// Of the sums of each pixel what was seen without a bounce, and that with what came after one;
+    /// empty where no layer asks for it.
+    parts: Vec<[[f64; 3]; 2]>,
+}
+
+/// A sample of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// The pixel's column and row on the whole picture.
+    pub(crate) pixel: [u32; 2],
+    pub(crate) number: u64,
+    /// How much it counts, 1 on average.
+    pub(crate) weight: f32,
 }
 
 /// Samples that were no numbers. They are left out of the mean.
@@ -101,16 +137,54 @@ impl Dropped {
 }
 
 impl Tile {
-    /// Adds a sample of the pixel at (`x`, `y`) of the whole picture. Returns false, and does
-    /// nothing, where it is not finite.
-    fn add(&mut self, x: u32, y: u32, value: Spectrum, control: f32) -> bool {
-        let i = ((y - self.area.y) * self.area.width + (x - self.area.x)) as usize;
+    /// Where the pixel at (`x`, `y`) of the whole picture is kept.
+    fn index(&self, [x, y]: [u32; 2]) -> usize {
+        ((y - self.area.y) * self.area.width + (x - self.area.x)) as usize
+    }
+
+    /// Adds a sample of pixel `i`. Returns false, and does nothing, where it is not finite.
+    fn add(&mut self, i: usize, value: Spectrum, control: f32) -> bool {
         let value = if self.learned.is_empty() { value } else { self.learn(i, value, control) };
         let finite = value.is_finite();
         if finite {
             self.pixels[i].add(value);
         }
         finite
+    }
+
+    /// Adds of samples of a pixel, with their weights, what was found without a bounce, and that with
+    /// what was found after one. What was dropped is black.
+    pub(crate) fn add_parts(
+        &mut self,
+        pixel: [u32; 2],
+        [emission, direct]: [&[Spectrum]; 2],
+        weights: &[f32],
+    ) {
+        let i = self.index(pixel);
+        let mut sums = self.parts[i];
+        for (weight, parts) in weights.iter().zip(emission.iter().zip(direct)) {
+            for (sums, part) in sums.iter_mut().zip([parts.0, parts.1]) {
+                for (sum, value) in sums.iter_mut().zip((*part * *weight).channels()) {
+                    *sum += f64::from(value);
+                }
+            }
+        }
+        self.parts[i] = sums;
+    }
+
+    /// Counts the objects that samples of a pixel met first; `looked` of them are looked at.
+    pub(crate) fn count(&mut self, pixel: [u32; 2], objects: &[u32], looked: u64) {
+        let i = self.index(pixel);
+        self.seen[i].count(objects);
+        if looked > 0 {
+            self.features[i].expect(looked);
+        }
+    }
+
+    /// Adds what a sample met first that is looked at and counts `weight`.
+    pub(crate) fn look(&mut self, pixel: [u32; 2], first: &First, weight: f32) {
+        let i = self.index(pixel);
+        self.features[i].look(first, weight);
     }
 
     /// A sample of pixel `i` as those before it correct it; those after it learn from it. Apart,
@@ -138,12 +212,13 @@ pub(crate) struct Film {
     dropped: Mutex<Dropped>,
     /// What light paths bring, where there are any.
     splats: Option<Splats>,
+    layers: Layers,
 }
 
 impl Film {
-    /// A black film. With `learns`, samples bring a control that its pixels learn to use; with
-    /// `splats`, light paths add to it.
-    pub(crate) fn new(window: Crop, learns: bool, splats: Option<Splats>) -> Self {
+    /// A black film with `layers`. With `learns`, samples bring a control that its pixels learn to
+    /// use; with `splats`, light paths add to it.
+    pub(crate) fn new(window: Crop, learns: bool, splats: Option<Splats>, layers: Layers) -> Self {
         let (columns, rows) = (window.width.div_ceil(TILE), window.height.div_ceil(TILE));
         let mut places: Vec<(u32, u32)> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).collect();
@@ -154,17 +229,22 @@ impl Film {
                 let (x, y) = (column * TILE, row * TILE);
                 let (width, height) = (TILE.min(window.width - x), TILE.min(window.height - y));
                 let pixels = (width * height) as usize;
+                let [seen, parted] = [layers.look(), layers.has(Layer::Light)]
+                    .map(|wanted| if wanted { pixels } else { 0 });
                 Mutex::new(Tile {
                     area: Crop { x: window.x + x, y: window.y + y, width, height },
                     next_sample: 0,
                     pixels: vec![Pixel::default(); pixels],
                     learned: vec![Learned::default(); if learns { pixels } else { 0 }],
+                    features: vec![Features::default(); seen],
+                    seen: vec![Seen::default(); seen],
+                    parts: vec![[[0.0; 3]; 2]; parted],
                 })
             })
             .collect();
         let samples = std::iter::repeat_with(AtomicU64::default);
         let samples = samples.take(columns as usize * rows as usize).collect();
-        Self { window, tiles, samples, dropped: Mutex::default(), splats }
+        Self { window, tiles, samples, dropped: Mutex::default(), splats, layers }
     }
 
     pub(crate) fn tile_count(&self) -> usize {
@@ -181,21 +261,23 @@ impl Film {
         locked(&self.dropped).add(DroppedSample { sample, y, x });
     }
 
-    /// Adds sample number `sample` of the pixel at (`x`, `y`) of the whole picture to its tile,
-    /// with a `control` whose mean is zero and whose noise it may share. A value that is not
-    /// finite is dropped and counted.
+    /// Adds the radiance that a sample brought to its tile, with a `control` whose mean is zero and
+    /// whose noise it may share. A value that is not finite is dropped and counted, and false is
+    /// given back.
     pub(crate) fn add(
         &self,
         tile: &mut Tile,
-        pixel: [u32; 2],
-        sample: u64,
-        value: Spectrum,
+        sample: &Sample,
+        radiance: Spectrum,
         control: f32,
-    ) {
-        let [x, y] = pixel;
-        if !tile.add(x, y, value, control) {
-            self.drop_sample(pixel, sample);
+    ) -> bool {
+        let &Sample { pixel, number, weight } = sample;
+        let i = tile.index(pixel);
+        let added = tile.add(i, radiance * weight, control * weight);
+        if !added {
+            self.drop_sample(pixel, number);
         }
+        added
     }
 
     /// Locks a tile.
@@ -219,22 +301,29 @@ impl Film {
     }
 
     /// The picture so far: `R`, `G`, `B`, the variances of these means as `variance.R` and so on,
-    /// and how many samples each pixel has as `samples.Y`.
-    pub(crate) fn image(&self) -> Image {
+    /// how many samples each pixel has as `samples.Y`, and the layers; mattes go by `ids`.
+    pub(crate) fn image(&self, ids: &Ids) -> Image {
         let Crop { width, height, .. } = self.window;
         let pixels = width as usize * height as usize;
-        let mut values = [const { Vec::new() }; 7].map(|_: Vec<f32>| vec![0.0; pixels]);
+        let black = |name: &str| Channel { name: name.to_owned(), values: vec![0.0; pixels] };
+        let parts: &[&str] = if self.layers.has(Layer::Light) { &PARTS } else { &[] };
+        let mut channels: Vec<Channel> =
+            COLORS.iter().chain(parts).map(|name| black(name)).collect();
+        let mut layers = Vec::<Channel>::new();
         for i in 0..self.tile_count() {
             let tile = self.tile(i);
             let area = tile.area;
-            for (k, pixel) in tile.pixels.iter().enumerate() {
+            let at = |k: usize| {
                 let (x, y) = (k % area.width as usize, k / area.width as usize);
                 let x = x + (area.x - self.window.x) as usize;
                 let y = y + (area.y - self.window.y) as usize;
-                let at = y * width as usize + x;
+                y * width as usize + x
+            };
+            for (k, pixel) in tile.pixels.iter().enumerate() {
+                let at = at(k);
                 let (mut mean, mut variance) = (pixel.mean(), pixel.variance_of_mean());
-                if let Some(splats) = &self.splats {
-                    let added = splats.added(at);
+                let added = self.splats.as_ref().map(|splats| splats.added(at));
+                if let Some(added) = &added {
                     for c in 0..3 {
                         mean[c] = (f64::from(mean[c]) + added.mean[c]) as f32;
                         variance[c] = (f64::from(variance[c]) + added.variance[c]) as f32;
@@ -243,18 +332,49 @@ impl Film {
                 let both = mean.into_iter().chain(variance);
                 // Exact up to 2²⁴ samples, and to seven digits beyond.
                 let all = both.chain([pixel.count as f32]);
-                for (channel, value) in values.iter_mut().zip(all) {
-                    channel[at] = value;
+                let parts = tile.parts.get(k).map(|parts| {
+                    // Light paths bounce twice at least.
+                    pixel.parted(parts, added.map_or([0.0; 3], |added| added.mean))
+                });
+                let all = all.chain(parts.into_iter().flatten().flatten());
+                for (channel, value) in channels.iter_mut().zip(all) {
+                    channel.values[at] = value;
+                }
+            }
+            for Channel { name, values } in
+                features::channels(self.layers, &tile.features, &tile.seen, ids)
+            {
+                // Some tiles may need more ranks than others.
+                let known = layers.iter().position(|layer| layer.name == name);
+                let number = known.unwrap_or_else(|| {
+                    layers.push(black(&name));
+                    layers.len() - 1
+                });
+                for (k, value) in values.into_iter().enumerate() {
+                    layers[number].values[at(k)] = value;
                 }
             }
         }
-        let names = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"];
-        let channels = names.into_iter().zip(values);
-        let channels =
-            channels.map(|(name, values)| Channel { name: name.to_owned(), values }).collect();
+        channels.extend(layers);
         Image::new(width, height, channels).expect("every channel has the window's size")
     }
 }
+
+/// What every picture has.
+const COLORS: [&str; 7] = ["R", "G", "B", "variance.R", "variance.G", "variance.B", "samples.Y"];
+
+/// The light of [`Layer::Light`].
+const PARTS: [&str; 9] = [
+    "emission.R",
+    "emission.G",
+    "emission.B",
+    "direct.R",
+    "direct.G",
+    "direct.B",
+    "indirect.R",
+    "indirect.G",
+    "indirect.B",
+];
 
 /// Locks. What is locked here is whole between samples, so a thread that died did no harm.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -281,15 +401,20 @@ mod tests {
     /// One bad sample must not spoil its pixel: it is dropped, counted and located.
     #[test]
     fn samples_that_are_no_numbers_are_dropped_and_located() {
-        let film = Film::new(Crop { x: 5, y: 6, width: 20, height: 20 }, false, None);
+        let window = Crop { x: 5, y: 6, width: 20, height: 20 };
+        let film = Film::new(window, false, None, Layers::NONE);
         let mut tile = film.tile(0);
-        film.add(&mut tile, [7, 8], 0, Spectrum::WHITE, 0.0);
-        film.add(&mut tile, [7, 8], 2, Spectrum::splat(f32::INFINITY), 0.0);
-        film.add(&mut tile, [9, 8], 1, Spectrum::from([0.0, f32::NAN, 0.0]), 0.0);
+        for (pixel, number, value) in [
+            ([7, 8], 0, Spectrum::WHITE),
+            ([7, 8], 2, Spectrum::splat(f32::INFINITY)),
+            ([9, 8], 1, Spectrum::from([0.0, f32::NAN, 0.0])),
+        ] {
+            film.add(&mut tile, &Sample { pixel, number, weight: 1.0 }, value, 0.0);
+        }
         drop(tile);
         let first = Some(DroppedSample { sample: 1, y: 8, x: 9 });
         assert_eq!(film.dropped(), Dropped { count: 2, first });
-        let image = film.image();
+        let image = film.image(&Ids::default());
         assert_eq!(image.channel("G").unwrap()[2 * 20 + 2], 1.0);
         // Only samples that count are counted.
         let samples = image.channel("samples.Y").unwrap();
@@ -300,7 +425,8 @@ mod tests {
     #[test]
     fn tiles_cover_the_window() {
         for (width, height) in [(1, 1), (101, 97), (16, 33), (1, 1000)] {
-            let film = Film::new(Crop { x: 3, y: 4, width, height }, false, None);
+            let window = Crop { x: 3, y: 4, width, height };
+            let film = Film::new(window, false, None, Layers::NONE);
             let mut seen = vec![0; (width * height) as usize];
             for i in 0..film.tile_count() {
                 let area = film.tile(i).area;

@@ -19,6 +19,7 @@
 //! sample of each technique.
 
 use crate::color::Spectrum;
+use crate::follow::Met;
 
 /// What a path tells of the shares that light and BSDF sampling have in the light it finds.
 pub(super) trait Control {
@@ -36,6 +37,13 @@ pub(super) trait Control {
 
     /// The path survived roulette, and stands for this many.
     fn survived(&mut self, stands_for: f32);
+
+    /// The path's segment number `depth`, from 1 on, met a surface.
+    fn met(&mut self, _depth: u32, _met: &Met<'_>) {}
+
+    /// The path has brought this radiance when its segment number `depth` has told what shines at
+    /// its end.
+    fn seen(&mut self, _depth: u32, _radiance: Spectrum) {}
 }
 
 /// Nothing is kept.

@@ -1,12 +1,71 @@
 //! What every integrator does.
 
 use super::caustics::Caustics;
+use super::first::{First, NOTHING, View};
 use super::packet::Starts;
 use crate::color::Spectrum;
+use crate::film::Layer;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;
 use rutilant_geom::lanes::LANES;
+
+/// What came of many starts, eight for each packet, in their order.
+#[derive(Default)]
+pub(crate) struct Found {
+    pub(crate) radiance: Vec<Spectrum>,
+    /// See [`Integrator::controlled`].
+    pub(crate) controls: Vec<f32>,
+    /// Of the radiance what was seen without a bounce; empty where it is not asked for.
+    pub(crate) emission: Vec<Spectrum>,
+    /// That with what came after one bounce.
+    pub(crate) direct: Vec<Spectrum>,
+    /// The number of the object that each camera ray met first, or [`NOTHING`]; empty where it is not
+    /// asked for.
+    pub(crate) objects: Vec<u32>,
+    /// More of what some of them met, by the number of the start, which rises.
+    pub(crate) firsts: Vec<(u32, First)>,
+}
+
+impl Found {
+    /// Room for so many starts, all black.
+    fn clear(&mut self, count: usize, view: Option<&View>) {
+        let asked = |asked: fn(&View) -> bool| if view.is_some_and(asked) { count } else { 0 };
+        let of_light = asked(|view| view.layers.has(Layer::Light));
+        for (light, count) in [
+            (&mut self.radiance, count),
+            (&mut self.emission, of_light),
+            (&mut self.direct, of_light),
+        ] {
+            light.clear();
+            light.resize(count, Spectrum::BLACK);
+        }
+        self.controls.clear();
+        self.controls.resize(count, 0.0);
+        self.objects.clear();
+        self.objects.resize(asked(|view| view.layers.look()), NOTHING);
+        self.firsts.clear();
+    }
+
+    /// Leaves out the parts of the radiance of a start.
+    pub(crate) fn drop_parts(&mut self, start: usize) {
+        for part in [&mut self.emission, &mut self.direct] {
+            if let Some(part) = part.get_mut(start) {
+                *part = Spectrum::BLACK;
+            }
+        }
+    }
+}
+
+/// What came of one start, with what is asked about it.
+pub(crate) struct Watched {
+    pub(crate) radiance: Spectrum,
+    pub(crate) control: f32,
+    /// What was seen without a bounce, and that with what came after one.
+    pub(crate) parts: [Spectrum; 2],
+    /// The number of the object that was met first, and more of it where that is asked for.
+    pub(crate) first: Option<(u32, Option<First>)>,
+}
 
 /// Gives the radiance that one ray brings, estimated once.
 pub(crate) trait Integrator: Sync {
@@ -20,38 +79,50 @@ pub(crate) trait Integrator: Sync {
         rays: &mut u64,
     ) -> Spectrum;
 
-    /// What [`controlled`](Self::controlled) gives for each start, eight for each packet, in their
-    /// order.
+    /// What [`controlled`](Self::controlled) gives for each start, or [`watched`](Self::watched)
+    /// where there is a `view`.
     fn estimates<S: Sampler>(
         &self,
         scene: &Prepared,
         starts: &[Starts<S>],
-        found: &mut Vec<(Spectrum, f32)>,
+        view: Option<&View>,
+        found: &mut Found,
         rays: &mut u64,
     ) {
-        let mut radiance = vec![Spectrum::BLACK; starts.len() * LANES];
-        if self.trace_together(scene, starts, &mut radiance, rays) {
-            found.extend(radiance.into_iter().map(|radiance| (radiance, 0.0)));
+        found.clear(starts.len() * LANES, view);
+        if self.trace_together(scene, starts, view, found, rays) {
             return;
         }
-        for Starts { rays: first, samplers } in starts {
-            found.extend(samplers.iter().enumerate().map(|(lane, sampler)| {
-                if first.is_there(lane) {
-                    self.controlled(scene, first.ray(lane), sampler, rays)
-                } else {
-                    (Spectrum::BLACK, 0.0)
+        for (i, Starts { rays: first, samplers, looks }) in starts.iter().enumerate() {
+            for (lane, sampler) in samplers.iter().enumerate().filter(|(l, _)| first.is_there(*l)) {
+                let (slot, ray) = (i * LANES + lane, first.ray(lane));
+                let Some(view) = view else {
+                    (found.radiance[slot], found.controls[slot]) =
+                        self.controlled(scene, ray, sampler, rays);
+                    continue;
+                };
+                let view = (view, looks >> lane & 1 == 1);
+                let watched = self.watched(scene, ray, sampler, view, rays);
+                (found.radiance[slot], found.controls[slot]) = (watched.radiance, watched.control);
+                if !found.emission.is_empty() {
+                    [found.emission[slot], found.direct[slot]] = watched.parts;
                 }
-            }));
+                if let Some((object, first)) = watched.first {
+                    found.objects[slot] = object;
+                    found.firsts.extend(first.map(|first| (slot as u32, first)));
+                }
+            }
         }
     }
 
-    /// Finds the radiance of all starts at once, if the integrator can do that in this scene, with
+    /// Finds what is asked of all starts at once, if the integrator can do that in this scene, with
     /// the bits that each would bring alone; false if it cannot.
     fn trace_together<S: Sampler>(
         &self,
         _: &Prepared,
         _: &[Starts<S>],
-        _: &mut [Spectrum],
+        _: Option<&View>,
+        _: &mut Found,
         _: &mut u64,
     ) -> bool {
         false
@@ -67,6 +138,21 @@ pub(crate) trait Integrator: Sync {
         rays: &mut u64,
     ) -> (Spectrum, f32) {
         (self.radiance(scene, ray, sampler, rays), 0.0)
+    }
+
+    /// The same with what is asked besides, and whether what is met is to be looked at. Integrators
+    /// that know no parts of light tell none.
+    fn watched<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        (view, look): (&View, bool),
+        rays: &mut u64,
+    ) -> Watched {
+        let first = view.along(scene, ray, look, rays);
+        let (radiance, control) = self.controlled(scene, ray, sampler, rays);
+        Watched { radiance, control, parts: [Spectrum::BLACK; 2], first }
     }
 
     /// How light paths share the work, if they do.

@@ -7,8 +7,10 @@
 
 use super::caustics::Caustics;
 use super::control::FirstSurface;
-use super::estimate::Integrator;
+use super::estimate::{Integrator, Watched};
+use super::first::View;
 use super::path::Path;
+use super::witness::Witness;
 use crate::color::Spectrum;
 use crate::prepare::Prepared;
 use crate::sampler::Sampler;
@@ -39,6 +41,19 @@ impl Integrator for Optimal<'_> {
         let mut control = FirstSurface::new();
         let radiance = self.0.trace(scene, ray, sampler, rays, &mut control);
         (radiance, control.value)
+    }
+
+    fn watched<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        (view, look): (&View, bool),
+        rays: &mut u64,
+    ) -> Watched {
+        let mut both = (FirstSurface::new(), Witness::new(scene, view, look));
+        let radiance = self.0.trace(scene, ray, sampler, rays, &mut both);
+        both.1.told(radiance, both.0.value)
     }
 
     fn caustics(&self) -> Option<&Caustics<'_>> {

@@ -14,8 +14,10 @@ use super::caustics::Caustics;
 use super::control::Control;
 use super::dimension::{BAND, Bounce};
 use super::emission::SeenEmission;
-use super::estimate::Integrator;
+use super::estimate::{Found, Integrator, Watched};
+use super::first::View;
 use super::packet::Starts;
+use super::witness::Witness;
 use crate::color::Spectrum;
 use crate::follow::{follow, transmittance};
 use crate::interaction::SurfaceInteraction;
@@ -62,15 +64,29 @@ impl Integrator for Path<'_> {
         &self,
         scene: &Prepared,
         starts: &[Starts<S>],
-        radiance: &mut [Spectrum],
+        view: Option<&View>,
+        found: &mut Found,
         rays: &mut u64,
     ) -> bool {
         scene.is_plain()
             && !scene.disperses()
             && with_vectors!(scene.surfaces().level(), simd => {
-                self.trace_all(simd, scene, starts, radiance, rays);
+                self.trace_all(simd, scene, starts, view, found, rays);
                 true
             }, else false)
+    }
+
+    fn watched<S: Sampler>(
+        &self,
+        scene: &Prepared,
+        ray: Ray,
+        sampler: &S,
+        (view, look): (&View, bool),
+        rays: &mut u64,
+    ) -> Watched {
+        let mut witness = Witness::new(scene, view, look);
+        let radiance = self.trace(scene, ray, sampler, rays, &mut witness);
+        witness.told(radiance, 0.0)
     }
 
     fn caustics(&self) -> Option<&Caustics<'_>> {
@@ -123,9 +139,11 @@ impl Path<'_> {
                     radiance +=
                         throughput * self.weighted(scene, &sky, &sent, previous, lead, control);
                 }
+                control.seen(depth, radiance);
                 break;
             };
             let (at, material) = (&met.at, met.material);
+            control.met(depth, &met);
             let wo = at.wo_local();
 
             // Light that starts here, weighted against having been chosen by light sampling.
@@ -134,6 +152,7 @@ impl Path<'_> {
                 radiance +=
                     throughput * self.weighted(scene, &emission, &sent, previous, lead, control);
             }
+            control.seen(depth, radiance);
             if depth == self.max_depth {
                 break;
             }
@@ -295,7 +314,7 @@ pub(super) fn survival(
     let survival = match roulette {
         Roulette::Off => return 1.0,
         Roulette::Albedo if delta => 1.0,
-        Roulette::Albedo => material.bsdf.albedo().max_channel().clamp(0.1, 1.0),
+        Roulette::Albedo => material.albedo().max_channel().clamp(0.1, 1.0),
         Roulette::Throughput if depth < ROULETTE_FROM => 1.0,
         Roulette::Throughput => (worth.max_channel() * (1.0 / SURE_FROM)).clamp(0.0, 1.0),
     };

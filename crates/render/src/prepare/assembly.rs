@@ -5,6 +5,7 @@ use super::material::{disperse, passes, prepare_materials};
 use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
+use crate::cryptomatte::Ids;
 use crate::light::{
     DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, ParallelogramEmitter, SphereEmitter,
     TriangleEmitter,
@@ -223,6 +224,7 @@ impl Assembly {
             has_borders,
             is_plain,
             casting: None,
+            ids: Ids::new(scene),
             extents,
             report,
         };

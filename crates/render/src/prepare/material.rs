@@ -20,6 +20,8 @@ use std::sync::Arc;
 pub(crate) struct PreparedMaterial {
     /// How it scatters; in the mean, where it varies.
     pub(crate) bsdf: Bsdf,
+    /// Its albedo, where it is the same everywhere.
+    pub(super) albedo: Option<Spectrum>,
     /// Set where light can cross the surface.
     pub(crate) border: Option<Border>,
     /// The number of its BSDFs for each band of the spectrum, where it bends them differently, and
@@ -46,6 +48,7 @@ impl From<Bsdf> for PreparedMaterial {
     fn from(bsdf: Bsdf) -> Self {
         Self {
             bsdf,
+            albedo: None,
             border: None,
             dispersed: None,
             varying: None,
@@ -60,6 +63,11 @@ impl From<Bsdf> for PreparedMaterial {
 }
 
 impl PreparedMaterial {
+    /// About what part of white light is sent on.
+    pub(crate) fn albedo(&self) -> Spectrum {
+        self.albedo.unwrap_or_else(|| self.bsdf.albedo())
+    }
+
     /// The number of its medium among those with a priority.
     pub(super) fn rank(&self) -> Option<u32> {
         self.border.and_then(|b| b.rank)
@@ -94,7 +102,8 @@ impl PreparedMaterial {
     /// The same as a border between the media that it lies between at some place.
     pub(crate) fn between(&self, here: Border) -> Self {
         let eta = here.interior.ior / here.exterior.ior;
-        Self { bsdf: self.bsdf.with_eta(eta), border: Some(here), dispersed: None, ..*self }
+        let bsdf = self.bsdf.with_eta(eta);
+        Self { bsdf, albedo: None, border: Some(here), dispersed: None, ..*self }
     }
 }
 
@@ -218,6 +227,7 @@ pub(super) fn prepare_materials(
                 prepared.varying = vary(Varying::Custom(Arc::clone(custom)));
             }
         }
+        prepared.albedo = prepared.varying.is_none().then(|| prepared.bsdf.albedo());
         prepared
     };
     let materials = all.iter().enumerate().map(prepare).collect();

@@ -7,6 +7,7 @@ use super::varying::Varying;
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::Spectrum;
+use crate::cryptomatte::Ids;
 use crate::dispersion::{BANDS, Bands};
 use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter, LightTree};
@@ -73,6 +74,8 @@ pub struct Prepared {
     pub(super) is_plain: bool,
     /// What caustics come from, where there can be some.
     pub(super) casting: Option<Arc<Casting>>,
+    /// What mattes call its objects and materials.
+    pub(super) ids: Ids,
     /// How far each object extends, once that is known.
     pub(super) extents: Arc<OnceLock<Vec<Extent>>>,
     pub(super) report: PrepareReport,
@@ -189,6 +192,14 @@ impl Prepared {
     pub fn notes_for(&self, settings: &Settings) -> Vec<Note> {
         let mut notes = self.notes_on_unmet(settings);
         notes.extend(self.note_on_crop(settings));
+        if settings.layers != settings.kept_layers() {
+            notes.push(
+                "the layer \"light\" is left out: only the integrator \"path\" knows parts of light, and \
+                 not with the heuristic \"optimal\""
+                    .to_owned()
+                    .into(),
+            );
+        }
         notes
     }
 
@@ -487,7 +498,7 @@ impl Prepared {
         material: &PreparedMaterial,
     ) -> Option<PreparedMaterial> {
         let bsdf = self.varied_bsdf(material.varying?, hit, at, material.own_coat);
-        Some(PreparedMaterial { bsdf, dispersed: None, ..*material })
+        Some(PreparedMaterial { bsdf, albedo: None, dispersed: None, ..*material })
     }
 
     /// Whether some material bends bands of the spectrum differently.
@@ -537,7 +548,7 @@ impl Prepared {
             Some(number) => self.dispersed[number as usize][band as usize],
             None => material.bsdf.with_eta(border.eta_at(bands.get(band).wavelength_nm)),
         };
-        (worth, room.insert(PreparedMaterial { bsdf, ..*material }))
+        (worth, room.insert(PreparedMaterial { bsdf, albedo: None, ..*material }))
     }
 
     /// The albedo of a material that varies and is nothing but Lambert's; `None` for all others.
@@ -586,9 +597,14 @@ impl Prepared {
         &self.objects[self.object_of(hit.instance, hit.primitive) as usize]
     }
 
+    /// What mattes call its objects and materials.
+    pub(crate) fn ids(&self) -> &Ids {
+        &self.ids
+    }
+
     /// The number of the object that a primitive, or an instance, belongs to.
     #[inline(always)]
-    fn object_of(&self, instance: Option<u32>, primitive: u32) -> u32 {
+    pub(crate) fn object_of(&self, instance: Option<u32>, primitive: u32) -> u32 {
         match instance {
             None => self.object_of_primitive[primitive as usize],
             Some(instance) => self.object_of_instance[instance as usize],

@@ -16,6 +16,9 @@ use std::sync::Arc;
 /// A shape with a place in the world and a material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
+    /// What the author calls it; may be empty. What comes before a first slash is the asset that it
+    /// belongs to. Mattes go by this name, or else by the mesh's: see [`crate::cryptomatte`].
+    pub name: Arc<str>,
     /// What it is.
     pub shape: Shape,
     /// How it looks.
@@ -55,9 +58,15 @@ pub enum Shape {
 }
 
 impl Object {
-    /// A shape as it is, with a material.
+    /// A shape as it is, with a material and no name.
     pub fn new(shape: Shape, material: MaterialId) -> Self {
-        Self { shape, material, world_from_object: Transform::IDENTITY }
+        Self { name: Arc::default(), shape, material, world_from_object: Transform::IDENTITY }
+    }
+
+    /// The same with a name.
+    #[must_use]
+    pub fn named(self, name: impl Into<Arc<str>>) -> Self {
+        Self { name: name.into(), ..self }
     }
 
     /// The same object somewhere else: `transform` applied after what it had.

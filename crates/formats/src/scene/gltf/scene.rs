@@ -17,6 +17,7 @@ use crate::camera::{AuthoredCamera, CameraKind};
 use crate::error::{SceneError, Source};
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
+use crate::scene::called;
 use crate::scene::files::Files;
 use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
 use crate::scene::loaded::{LoadedScene, NOTHING_MOVES, camera_named};
@@ -118,6 +119,26 @@ pub(crate) fn model(
     Ok(Model { scene, pictures, stand_ins, notes, files })
 }
 
+/// What mattes call the things of each node: its name, behind that of the root that it is below. A
+/// node without a name leaves it to its mesh.
+fn names_of(document: &Document) -> Vec<Arc<str>> {
+    let mut roots: Vec<usize> = (0..document.nodes.len()).collect();
+    for &node in &document.order {
+        if let Some(parent) = document.nodes[node].parent {
+            roots[node] = roots[parent];
+        }
+    }
+    let each = document.nodes.iter().enumerate().zip(roots);
+    each.map(|((number, node), root)| {
+        let above = &document.nodes[root].name;
+        if root == number || node.name.is_empty() || above.is_empty() {
+            return node.name.as_str().into();
+        }
+        called::part_of(above, &node.name)
+    })
+    .collect()
+}
+
 /// A texture of the document, the set of coordinates, the bits of what is done to them, and what
 /// codes mean.
 type TextureKey = (usize, u32, [u32; 5], Encoding);
@@ -130,6 +151,8 @@ struct Maker<'d> {
     scene: Scene,
     pictures: Pictures,
     files: Files<'d>,
+    /// What mattes call the things of each node.
+    names: Vec<Arc<str>>,
     /// By their numbers in the document.
     images: HashMap<usize, BitmapId>,
     textures: HashMap<TextureKey, TextureId>,
@@ -154,6 +177,7 @@ impl<'d> Maker<'d> {
             scene: bare::empty(),
             pictures: Pictures::default(),
             files: Files::beside(path, options),
+            names: names_of(document),
             images: HashMap::new(),
             textures: HashMap::new(),
             materials: HashMap::new(),
@@ -199,7 +223,8 @@ impl<'d> Maker<'d> {
                 // A scale of nothing hides.
                 if world_from_object.inverse().is_some() {
                     let shape = Shape::Mesh(mesh);
-                    self.scene.objects.push(Object { shape, material, world_from_object });
+                    let name = Arc::clone(&self.names[placed.node]);
+                    self.scene.objects.push(Object { name, shape, material, world_from_object });
                 }
             }
         }

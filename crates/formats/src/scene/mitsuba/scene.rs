@@ -62,7 +62,7 @@ pub(crate) fn read_bytes(
         maker.emitter(emitter)?;
     }
     for shape in scene.parts(Class::Shape) {
-        maker.place(shape, &Affine::IDENTITY, 0)?;
+        maker.place(shape, &Affine::IDENTITY, None)?;
     }
     maker.finish(scene, path)
 }

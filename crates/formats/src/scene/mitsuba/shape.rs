@@ -9,7 +9,7 @@ use super::scene::Maker;
 use super::serialized;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::affine::{Affine, single};
-use crate::scene::{obj, ply};
+use crate::scene::{called, obj, ply};
 use rutilant::scene::MeshId;
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec2, Vec3, real};
@@ -51,16 +51,13 @@ enum From {
 /// Sides of a cylinder, and of a sphere around its equator: its outline is off by 0.03 %.
 const SIDES: u32 = 128;
 
-/// Instances of groups of instances: Mitsuba has none of them either.
-const DEEPEST: u32 = 1;
-
 impl Maker<'_, '_> {
-    /// Puts a shape where `world_from_group` says.
+    /// Puts a shape where `world_from_group` says; a `group` is what it stands in.
     pub(super) fn place(
         &mut self,
         shape: View<'_, '_>,
         world_from_group: &Affine,
-        depth: u32,
+        group: Option<View<'_, '_>>,
     ) -> Result<(), SceneError> {
         match shape.plugin() {
             // What stands in it is placed by its instances.
@@ -68,7 +65,7 @@ impl Maker<'_, '_> {
                 shape.pass_over_parts();
                 return Ok(());
             }
-            "instance" => return self.instance(shape, world_from_group, depth),
+            "instance" => return self.instance(shape, world_from_group, group),
             _ if !KNOWN.contains(&shape.plugin()) => return Err(shape.unknown(KNOWN)),
             _ => {}
         }
@@ -137,6 +134,16 @@ impl Maker<'_, '_> {
             _ => shapes.extend(meshes(self.meshes_of(shape, flipped)?)),
         }
 
+        let is_file = matches!(shape.plugin(), "obj" | "ply" | "serialized");
+        let name = match (shape.id(), shapes.first()) {
+            ("", Some((Shape::Mesh(id), _))) if is_file => &self.scene.meshes[id.0 as usize].name,
+            ("", _) => &self.scene.materials[material.0 as usize].name,
+            (id, _) => id,
+        };
+        let name = match group {
+            Some(group) => called::part_of(group.id(), called::shortened(name)),
+            None => called::shortened(name).into(),
+        };
         for (body, placed) in shapes {
             let allowed = self.options.limits.objects;
             if self.scene.objects.len() as u64 >= allowed {
@@ -151,7 +158,8 @@ impl Maker<'_, '_> {
                 let what = "here the numbers of its place grow beyond all bounds";
                 return Err(shape.document.invalid(shape.place(), what));
             };
-            self.scene.objects.push(Object { shape: body, material, world_from_object });
+            let (name, shape) = (Arc::clone(&name), body);
+            self.scene.objects.push(Object { name, shape, material, world_from_object });
         }
         Ok(())
     }
@@ -160,19 +168,20 @@ impl Maker<'_, '_> {
         &mut self,
         shape: View<'_, '_>,
         world_from_group: &Affine,
-        depth: u32,
+        within: Option<View<'_, '_>>,
     ) -> Result<(), SceneError> {
         let Some(group) = shape.only(Class::Shape).filter(|group| group.plugin() == "shapegroup")
         else {
             let what = "an instance needs a shapegroup";
             return Err(shape.document.invalid(shape.place(), what));
         };
-        if depth >= DEEPEST {
+        if within.is_some() {
+            // Mitsuba has no instances of groups of instances either.
             let what = "an instance cannot stand within a shapegroup";
             return Err(shape.document.invalid(shape.place(), what));
         }
         let world = *world_from_group * shape.transform("to_world")?;
-        group.parts(Class::Shape).try_for_each(|part| self.place(part, &world, depth + 1))
+        group.parts(Class::Shape).try_for_each(|part| self.place(part, &world, Some(group)))
     }
 
     /// The meshes of a file; one for each material that it has.

@@ -18,6 +18,7 @@ use rutilant_geom::{Aabb, Transform};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// The scene so far, and what is needed to go on.
 pub(super) struct Draft<'d> {
@@ -67,6 +68,8 @@ pub(super) struct MeshFile {
 
 /// A part of a mesh file.
 pub(super) struct Part {
+    /// What the file calls it beside its mesh; may be empty.
+    pub(super) name: Arc<str>,
     pub(super) mesh: MeshId,
     /// The material that the file gives it.
     pub(super) own: Option<MaterialId>,
@@ -79,7 +82,8 @@ pub(super) struct Part {
 impl Part {
     /// One that stands where its numbers say.
     pub(super) fn new(mesh: MeshId, own: Option<MaterialId>) -> Self {
-        Self { mesh, own, stand_in: None, file_from_part: Transform::IDENTITY }
+        let (name, file_from_part) = (Arc::default(), Transform::IDENTITY);
+        Self { name, mesh, own, stand_in: None, file_from_part }
     }
 }
 

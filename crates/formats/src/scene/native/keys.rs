@@ -22,6 +22,7 @@ pub(super) const RENDER: &[&str] = &[
     "roulette",
     "light_selection",
     "caustics",
+    "layers",
     "exposure",
     "curve",
 ];
@@ -111,8 +112,17 @@ pub(super) const PRINCIPLED: &[&str] = &[
 ];
 pub(super) const MIX: &[&str] = &["first", "second", "amount"];
 
-pub(super) const ANY_SHAPE: &[&str] =
-    &["type", "material", "translate", "rotate_degrees", "rotate", "scale", "matrix", "instances"];
+pub(super) const ANY_SHAPE: &[&str] = &[
+    "name",
+    "type",
+    "material",
+    "translate",
+    "rotate_degrees",
+    "rotate",
+    "scale",
+    "matrix",
+    "instances",
+];
 pub(super) const INSTANCE: &[&str] = &["translate", "rotate_degrees", "rotate", "scale", "matrix"];
 pub(super) const CENTERED: &[&str] = &["center"];
 pub(super) const ROUND: &[&str] = &["radius"];

@@ -7,7 +7,8 @@ use crate::error::{SceneError, SceneErrorKind};
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
 use rutilant::settings::{
-    Crop, Heuristic, IntegratorKind, LightSelection, Roulette, SamplerKind, Settings, Strategy,
+    Crop, Heuristic, IntegratorKind, Layer, Layers, LightSelection, Roulette, SamplerKind,
+    Settings, Strategy,
 };
 
 const INTEGRATORS: &[(&str, IntegratorKind)] = &[
@@ -90,6 +91,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError>
             usual.light_selection,
         )?,
         caustics: table.or("caustics", Value::flag, usual.caustics)?,
+        layers: table.or("layers", layers, usual.layers)?,
     };
     let display = Display {
         exposure: table.or("exposure", Value::number, 0.0)?,
@@ -101,6 +103,11 @@ pub(super) fn read(table: &Table<'_>) -> Result<(Settings, Display), SceneError>
 fn crop(value: &Value<'_>) -> Result<Crop, SceneError> {
     let [x, y, width, height] = value.wholes("four whole numbers [x, y, width, height]")?;
     Ok(Crop { x, y, width, height })
+}
+
+fn layers(value: &Value<'_>) -> Result<Layers, SceneError> {
+    let names = value.entries("names of layers [\"albedo\", \"normal\", ..]")?;
+    names.map(|name| name.one_of("layer", &Layer::ALL)).collect()
 }
 
 fn filter(table: &Table<'_>) -> Result<Filter, SceneError> {
@@ -172,9 +179,15 @@ pub(super) fn keys_of(settings: &Settings, display: &Display) -> Vec<Group> {
             said::name(LIGHT_SELECTIONS, &usual.light_selection),
         ),
         Group::or(&["caustics"], settings.caustics.to_string(), &usual.caustics.to_string()),
+        Group::or(&["layers"], names_of(settings.layers), &names_of(usual.layers)),
         Group::or(&["exposure"], number(display.exposure), "0"),
         name(&["curve"], said::name(CURVES, &display.curve), said::name(CURVES, &Curve::default())),
     ]
+}
+
+fn names_of(layers: Layers) -> String {
+    let names: Vec<_> = layers.names().map(said::text).collect();
+    format!("[{}]", names.join(", "))
 }
 
 fn keys_of_filter(filter: &Filter) -> Group {

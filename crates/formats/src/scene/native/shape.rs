@@ -16,6 +16,7 @@ use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{Aabb, Transform};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 
 #[derive(Clone, Copy)]
 enum Type {
@@ -60,11 +61,13 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
         }
     };
     let material = table.must("material", |v| material::named(v, &draft.materials))?;
+    let name = name_of(&table)?;
     let world_from_object = placing::transform(&table)?;
     for (place, moved) in instances::places(&table, draft)? {
         let world_from_object = placing::after(moved, world_from_object);
         let shape = shape.clone();
-        draft.add_object(&place, Object { shape, material, world_from_object })?;
+        let name = Arc::clone(&name);
+        draft.add_object(&place, Object { name, shape, material, world_from_object })?;
     }
     Ok(())
 }
@@ -87,6 +90,7 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
         }
     };
 
+    let name = name_of(table)?;
     let fitted = table.maybe("fit", |value| placing::fit(value, mesh.bounds))?;
     let fitted = fitted.unwrap_or(Transform::IDENTITY);
     let world_from_object = placing::after(placing::transform(table)?, fitted);
@@ -97,10 +101,17 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
             let world_from_file = placing::after(moved, world_from_object);
             let world_from_object = placing::after(world_from_file, part.file_from_part);
             let shape = Shape::Mesh(part.mesh);
-            draft.add_object(&place, Object { shape, material, world_from_object })?;
+            let name = if name.is_empty() { &part.name } else { &name };
+            let name = Arc::clone(name);
+            draft.add_object(&place, Object { name, shape, material, world_from_object })?;
         }
     }
     Ok(())
+}
+
+/// What the author calls the shape, empty where he does not.
+fn name_of(table: &Table<'_>) -> Result<Arc<str>, SceneError> {
+    table.or("name", |name| Ok(name.text()?.into()), Arc::default())
 }
 
 /// A mesh written out in the scene itself.
@@ -307,7 +318,8 @@ fn take_in_model<'d>(
         let is_stand_in = model.stand_ins.contains(&object.material);
         let (own, stand_in) = if is_stand_in { (None, material) } else { (material, None) };
         let file_from_part = object.world_from_object;
-        Some(Part { mesh: meshes[id.0 as usize], own, stand_in, file_from_part })
+        let (name, mesh) = (object.name, meshes[id.0 as usize]);
+        Some(Part { name, mesh, own, stand_in, file_from_part })
     });
     Ok(MeshFile { parts: parts.collect(), bounds, without_material: None })
 }

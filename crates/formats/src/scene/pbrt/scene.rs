@@ -18,6 +18,7 @@ use crate::image;
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::affine::Affine;
 use crate::scene::bare;
+use crate::scene::called;
 use crate::scene::files::Files;
 use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
 use crate::scene::loaded::{LoadedScene, TextureName, camera_named};
@@ -188,6 +189,8 @@ pub(super) struct Maker<'d> {
 
 /// A shape that can be placed.
 struct Ready {
+    /// What mattes call it: its material, where that has a name. Meshes of files have their own.
+    name: Arc<str>,
     shape: Shape,
     material: MaterialId,
     /// From the shape's own space to that in which it was told.
@@ -260,6 +263,13 @@ impl<'d> Maker<'d> {
         let mut ready = Vec::with_capacity(forms.len());
         for (placed, form) in description.shapes.iter().zip(forms) {
             let material = self.material(placed)?;
+            let name = match form {
+                Form::File(_) => "",
+                Form::Mesh(_) | Form::Sphere { .. } | Form::Disk { .. } => {
+                    called::shortened(&self.scene.materials[material.0 as usize].name)
+                }
+            };
+            let name = name.into();
             let (shape, own) = match form {
                 Form::Mesh(mesh) => {
                     let mesh = shapes::oriented(mesh, placed.state.reversed).0;
@@ -317,7 +327,7 @@ impl<'d> Maker<'d> {
                 }
             };
             placed.parameters.tell_unused(self.texts, &mut self.notes);
-            ready.push(Ready { shape, material, own: placed.state.map * own });
+            ready.push(Ready { name, shape, material, own: placed.state.map * own });
         }
         Ok(ready)
     }
@@ -380,9 +390,12 @@ impl<'d> Maker<'d> {
         let description = self.description;
         for &number in &description.free {
             let place = description.shapes[number].parameters.place;
-            self.object(&shapes[number], &Affine::IDENTITY, place);
+            let name = Arc::clone(&shapes[number].name);
+            self.object(name, &shapes[number], &Affine::IDENTITY, place);
         }
         let mut count = self.scene.objects.len() as u64;
+        // The names of the parts of each object: however often it stands, they stand once.
+        let mut known = HashMap::<&str, Vec<Arc<str>>>::new();
         for instance in &description.instances {
             let Some(parts) = description.objects.get(&instance.name) else {
                 let known = description.objects.keys().map(String::as_str);
@@ -399,14 +412,33 @@ impl<'d> Maker<'d> {
                 let kind = SceneErrorKind::Limit { what: "objects", asked: count, allowed };
                 return Err(self.texts.error(instance.place, kind));
             }
-            for &number in parts {
-                self.object(&shapes[number], &instance.map, instance.place);
+            let names = known.entry(&instance.name).or_insert_with(|| {
+                let each =
+                    parts.iter().map(|&number| self.part_of(&instance.name, &shapes[number]));
+                each.collect()
+            });
+            for (&number, name) in parts.iter().zip(names) {
+                self.object(Arc::clone(name), &shapes[number], &instance.map, instance.place);
             }
         }
         Ok(())
     }
 
-    fn object(&mut self, ready: &Ready, map: &Affine, place: Place) {
+    /// What mattes call a part of an object: an object is an asset.
+    fn part_of(&self, object: &str, part: &Ready) -> Arc<str> {
+        let of_mesh = match part.shape {
+            Shape::Mesh(id) => &*self.scene.meshes[id.0 as usize].name,
+            Shape::Sphere { .. }
+            | Shape::Rectangle { .. }
+            | Shape::Disk { .. }
+            | Shape::Box { .. }
+            | Shape::Custom(_) => "",
+        };
+        let own = if part.name.is_empty() { of_mesh } else { &*part.name };
+        called::part_of(object, called::shortened(own))
+    }
+
+    fn object(&mut self, name: Arc<str>, ready: &Ready, map: &Affine, place: Place) {
         let world = self.world.map * *map * ready.own;
         let found = world.to_transform().filter(|transform| transform.inverse().is_some());
         let Some(world_from_object) = found else {
@@ -418,7 +450,7 @@ impl<'d> Maker<'d> {
             self.lines.insert(scene::Place::Object(number), place.line);
         }
         let (shape, material) = (ready.shape.clone(), ready.material);
-        self.scene.objects.push(Object { shape, material, world_from_object });
+        self.scene.objects.push(Object { name, shape, material, world_from_object });
     }
 
     /// Reads pictures, and holds everything against what a scene must be.

@@ -32,7 +32,7 @@ use reader::Reader;
 use rutilant::shape::Mesh;
 use std::path::Path;
 
-/// The mesh in the PLY file at `path`, and notes on what was left out.
+/// The mesh in the PLY file at `path`, named after it, and notes on what was left out.
 ///
 /// # Errors
 /// A file that cannot be read, breaks the format, ends early or exceeds the `limits`.
@@ -40,7 +40,7 @@ pub fn read(path: &Path, limits: &Limits) -> Result<(Mesh, Vec<String>), SceneEr
     read_bytes(&file::scene_bytes(path, limits)?, path, limits)
 }
 
-/// As [`read`], for the content of a file; `path` is only for messages.
+/// As [`read`], for the content of a file; `path` is for messages and the mesh's name.
 ///
 /// # Errors
 /// As [`read`].
@@ -57,5 +57,6 @@ pub fn read_bytes(
         Format::Little => reader.body(&header, &mut Binary::<true> { bytes, at: header.end })?,
         Format::Big => reader.body(&header, &mut Binary::<false> { bytes, at: header.end })?,
     }
-    Ok((reader.mesh, reader.notes))
+    let mesh = Mesh { name: file::title(path), ..reader.mesh };
+    Ok((mesh, reader.notes))
 }

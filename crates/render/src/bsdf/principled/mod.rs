@@ -267,10 +267,15 @@ impl Principled {
     pub(super) fn albedo(&self) -> Spectrum {
         let view = self.view(Vec3::Z, self.leaning(Vec3::Z));
         let matte = (self.matte.albedo() + self.matte_through) * (view.left * self.opaque);
+        // Crossing gives nothing where there is nothing clear; below films the others take long.
         let Crossing { reflected, passed, .. } = self.crossing(1.0, true);
         let clear = (reflected + self.its.base_color * passed) * self.clear;
-        let gloss = self.gloss(1.0) * self.opaque;
-        let base = matte + clear + gloss + self.metal(1.0) * self.metal;
+        let part = |share: f32, of: &dyn Fn() -> Spectrum| match share {
+            0.0 => Spectrum::BLACK,
+            _ => of() * share,
+        };
+        let gloss = part(self.opaque, &|| self.gloss(1.0));
+        let base = matte + clear + gloss + part(self.metal, &|| self.metal(1.0));
         let coat = self.coat.map_or(0.0, |c| c.weight * c.reflected(1.0)) * view.below_sheen;
         let sheen = self.sheen.map_or(Spectrum::BLACK, |s| s.albedo(1.0));
         base * view.tint * view.tint * view.below_coat + Spectrum::splat(coat) + sheen

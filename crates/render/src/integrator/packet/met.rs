@@ -5,6 +5,7 @@ use crate::bsdf::{BsdfSamples, Scattering};
 use crate::color::Spectrum;
 use crate::integrator::Caustics;
 use crate::integrator::emission::SeenEmission;
+use crate::integrator::first::{First, View};
 use crate::interaction::SurfaceInteraction;
 use crate::lanes::bits;
 use crate::medium::{Border, Media};
@@ -202,7 +203,42 @@ impl<'p> MetPacket<'p> {
         if self.lambert >> lane & 1 == 1 {
             return Some(at(&self.albedo, lane).to_array().into());
         }
-        Some(self.materials[lane]?.bsdf.albedo())
+        Some(self.materials[lane]?.albedo())
+    }
+
+    /// Tells what the camera rays `there` met first, and more of it where there is a bit in `looks`.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
+    pub(super) fn tell_firsts(
+        &self,
+        scene: &Prepared,
+        view: &View,
+        looks: u32,
+        rays: &RayPacket,
+        there: u32,
+        slot: &[u32; LANES],
+        objects: &mut [u32],
+        firsts: &mut Vec<(u32, First)>,
+    ) {
+        let met = there & !self.sky;
+        for lane in each_lane(met) {
+            if let Some(object) = objects.get_mut(slot[lane] as usize) {
+                *object = scene.object_of(self.hits.instance(lane), self.hits.primitive[lane]);
+            }
+        }
+        if looks & met == 0 || !view.looks() {
+            return;
+        }
+        for lane in each_lane(met & looks) {
+            let Some(hit) = self.hits.hit(lane) else { continue };
+            let black = self.black >> lane & 1 == 1;
+            let albedo = || match self.albedo_of(lane) {
+                Some(albedo) if !black => albedo,
+                Some(_) | None => Spectrum::BLACK,
+            };
+            let (normal, wo) = (at(&self.shading_normal, lane), -at(&rays.direction, lane));
+            firsts.push((slot[lane], view.first(scene, &hit, normal, wo, albedo)));
+        }
     }
 
     /// The points themselves, seen along the directions of `rays`.

@@ -25,6 +25,8 @@ use super::path::{ENDLESS_FROM, ENDLESS_SURVIVAL, ROULETTE_FROM, SURE_FROM};
 use crate::color::Spectrum;
 use crate::integrator::dimension::Bounce;
 use crate::integrator::emission::SeenEmission;
+use crate::integrator::estimate::Found;
+use crate::integrator::first::View;
 use crate::lanes::{bits, mask, transmittances};
 use crate::medium::Media;
 use crate::prepare::Prepared;
@@ -38,20 +40,30 @@ use rutilant_geom::lanes::{LANES, Xyz8, each_lane};
 use rutilant_geom::offset_origins;
 
 impl Path<'_> {
-    /// The radiance that each start brings, eight for each packet, in their order.
+    /// What each start brings, eight for each packet, in their order.
     #[inline(always)]
     pub(super) fn trace_all<S: Simd, N: Sampler>(
         &self,
         simd: S,
         scene: &Prepared,
         starts: &[Starts<N>],
-        radiance: &mut [Spectrum],
+        view: Option<&View>,
+        found: &mut Found,
         rays: &mut u64,
     ) {
         let mut paths = Paths::new(starts, scene);
         for depth in 1..=self.max_depth {
-            for packet in &mut paths.packets {
-                self.advance(simd, scene, packet, depth, radiance, &mut paths.media, rays);
+            for (i, packet) in paths.packets.iter_mut().enumerate() {
+                // The first surfaces are those of the starts, in their order.
+                let view = view.filter(|_| depth == 1).map(|view| (view, starts[i].looks));
+                self.advance(simd, scene, packet, depth, view, found, &mut paths.media, rays);
+            }
+            if depth == 1 {
+                // Of paths that have ended already there will be no more, and of others what they
+                // see next.
+                if !found.direct.is_empty() {
+                    found.direct.copy_from_slice(&found.radiance);
+                }
             }
             paths.close_ranks();
             if paths.packets.is_empty() {
@@ -60,7 +72,8 @@ impl Path<'_> {
         }
     }
 
-    /// Takes eight paths from one surface to the next. Those that end are no longer there then.
+    /// Takes eight paths from one surface to the next. Those that end are no longer there then. With a
+    /// `view` tells what they met, and more of it where there is a bit for the path.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     fn advance<S: Simd, N: Sampler>(
@@ -69,10 +82,12 @@ impl Path<'_> {
         scene: &Prepared,
         paths: &mut PathPacket<N>,
         depth: u32,
-        radiance: &mut [Spectrum],
+        view: Option<(&View, u32)>,
+        found: &mut Found,
         media: &mut [Media],
         rays: &mut u64,
     ) {
+        let Found { radiance, emission, direct, objects, firsts, .. } = found;
         let there = paths.rays.there();
         *rays += u64::from(there.count_ones());
 
@@ -91,6 +106,10 @@ impl Path<'_> {
             ));
         }
 
+        if let Some((view, looks)) = view {
+            met.tell_firsts(scene, view, looks, &paths.rays, there, &paths.slot, objects, firsts);
+        }
+
         // Light of the sky and of surfaces, weighted against having been chosen by light sampling.
         for lane in each_lane(met.sky | met.glows) {
             let ray = paths.rays.ray(lane);
@@ -103,7 +122,16 @@ impl Path<'_> {
                 let (previous, lead) = (paths.previous(lane), paths.lead(lane));
                 let seen = self.weighted(scene, &seen, &ray, previous.as_ref(), lead, &mut ());
                 let through = Spectrum::from(throughput.lane(lane).to_array());
-                add(radiance, paths.slot[lane], through * seen);
+                let slot = paths.slot[lane];
+                add(radiance, slot, through * seen);
+                let part = match depth {
+                    1 => emission.get_mut(slot as usize),
+                    2 => direct.get_mut(slot as usize),
+                    _ => None,
+                };
+                if let Some(part) = part {
+                    *part = radiance[slot as usize];
+                }
             }
         }
         let alive = there & !met.sky & !met.black;

@@ -15,6 +15,8 @@ use rutilant_geom::lanes::{LANES, at};
 pub(crate) struct Starts<N> {
     pub(crate) rays: RayPacket,
     pub(crate) samplers: [N; LANES],
+    /// Those of which is asked what they meet, where a picture tells that: a bit for each.
+    pub(crate) looks: u32,
 }
 
 /// Eight paths; those whose ray is not there have ended.

@@ -360,6 +360,22 @@ impl Writer<'_> {
             Shape::Custom(_) => Vec::new(),
         };
         groups.push(Group::one(&["material"], said::text(material)));
+        // Places that are told together keep a name that all of them have: their own or the mesh's.
+        let shared = group.iter().all(|i| scene.objects[*i].name == object.name);
+        let called = match &object.shape {
+            Shape::Mesh(id) if object.name.is_empty() => {
+                scene.meshes.get(id.0 as usize).map_or("", |mesh| &*mesh.name)
+            }
+            Shape::Mesh(_)
+            | Shape::Sphere { .. }
+            | Shape::Disk { .. }
+            | Shape::Rectangle { .. }
+            | Shape::Box { .. }
+            | Shape::Custom(_) => &*object.name,
+        };
+        if shared && !called.is_empty() {
+            groups.insert(0, Group::one(&["name"], said::text(called)));
+        }
         let places = group.iter().map(|i| &scene.objects[*i].world_from_object);
         let places: Vec<&Transform> = places.collect();
         match places[..] {
