@@ -98,7 +98,7 @@ fn errors_name_the_place() {
         (
             "<shape type=\"sphere\"><bsdf type=\"conductor\"><string name=\"material\" \
              value=\"Xx\"/></bsdf></shape>",
-            "a.xml:2:45: the metal \"Xx\" is not known here; there are Au, Cu, Ag, Al, or give its eta \
+            "a.xml:2:45: the metal \"Xx\" is not known here; there are Au, Cu, Ag, Al, CuZn, MgO, TiO2, or give its eta \
              and k",
         ),
         (
