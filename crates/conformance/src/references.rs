@@ -51,7 +51,7 @@ pub const ALL: &[Reference] = &[
     },
 ];
 
-/// A scene of pbrt, read from the data folder as it is, and the picture that it should give.
+/// A scene of pbrt or Mitsuba, read from the data folder as it is, and the picture that it should give.
 #[derive(Clone, Copy, Debug)]
 pub struct Foreign {
     /// The scene, from the data folder.
@@ -64,11 +64,18 @@ pub struct Foreign {
     pub remark: &'static str,
 }
 
-/// All of them. That of veach-mis is none: its file says copper that reflects all that copper does, and
+/// All of them. That of veach-mis in pbrt is none: its file says copper that reflects all that copper does, and
 /// paths of four segments, where the reference has 0.3 of copper and three; see [`ALL`] for the rest.
-pub const PBRT: &[Foreign] = &[
+/// Nor is that of Mitsuba: its facets are Beckmann's, for which GGX stands in.
+pub const FOREIGN: &[Foreign] = &[
     Foreign {
         scene: "pbrt/bitterli-cornell-box/scene-v4.pbrt",
+        picture: "mitsuba/bitterli-cornell-box/TungstenRender.exr",
+        without: None,
+        remark: "",
+    },
+    Foreign {
+        scene: "mitsuba/bitterli-cornell-box/scene.xml",
         picture: "mitsuba/bitterli-cornell-box/TungstenRender.exr",
         without: None,
         remark: "",

@@ -22,12 +22,12 @@ fn scenes_look_as_in_another_renderer() {
 /// The same for scenes that are read as their authors wrote them: a wrong unit of light, a roughness that
 /// is remapped, a body without the light that goes to and fro below its gloss would show.
 #[test]
-fn scenes_of_pbrt_look_as_in_another_renderer() {
+fn scenes_of_others_look_as_in_another_renderer() {
     let Some(data) = references::data() else {
         eprintln!("SKIPPED: RUTILANT_DATA names no folder with the reference pictures");
         return;
     };
-    for reference in references::PBRT {
+    for reference in references::FOREIGN {
         match reference.measure(&data, 2, 40, 2).unwrap() {
             None => eprintln!("SKIPPED: {} is absent", reference.scene),
             Some(measured) => assert!(measured.agrees(), "{}: {measured:?}", reference.scene),
