@@ -210,6 +210,11 @@ pub(crate) fn run(args: &Args) -> Result<Exit, Failure> {
         let name = options::name(&integrator);
         notes.push(format!("--max-depth changes nothing: the integrator \"{name}\" ignores it"));
     }
+    let kept = args.channels == Channels::All && outputs.iter().any(|to| output::holds_layers(to));
+    if args.layers.is_some_and(|layers| layers != Layers::NONE) && !kept {
+        let what = "only .exr files with all their channels hold layers";
+        notes.push(format!("--layers changes nothing: {what}"));
+    }
     let mattes = settings.layers.has(Layer::Cryptomatte) && args.channels == Channels::All;
     let mattes = if mattes { cryptomatte::metadata(&loaded.scene) } else { Vec::new() };
     drop(loaded.scene);

@@ -740,6 +740,19 @@ fn a_max_depth_without_effect_is_told() {
     assert!(!ran.error.contains("--max-depth"), "{}", ran.error);
 }
 
+/// Layers that no file can hold are told as such.
+#[test]
+fn layers_without_a_file_are_told() {
+    let desk = Desk::new();
+    for (arguments, told) in
+        [("-o a.png", true), ("-o b.exr --channels color", true), ("-o c.png -o d.exr", false)]
+    {
+        let ran = desk.run(&format!("room.toml --spp 1 --layers albedo {arguments}"));
+        assert_eq!(ran.status, 0, "{arguments}: {ran:?}");
+        assert_eq!(ran.error.contains("--layers"), told, "{arguments}: {}", ran.error);
+    }
+}
+
 /// Programs get lines of JSON, the result last, and nothing else.
 #[test]
 fn progress_for_programs_is_lines_of_json() {
