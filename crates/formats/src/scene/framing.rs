@@ -1,10 +1,12 @@
 //! A camera for a scene that has none.
 
 use crate::camera::{AuthoredCamera, FocusOn};
+use crate::error::SceneError;
 use rutilant::camera::Camera;
 use rutilant::scene::Scene;
 use rutilant::shape::Shape;
 use rutilant_geom::{Aabb, Transform, Vec3};
+use std::path::Path;
 
 /// From the middle of what there is towards the eye: the front and the right side at
 /// unequal angles, a little from above. This is what illustrators call a three-quarter view.
@@ -33,6 +35,19 @@ pub(super) enum Unseen {
 /// Said of what no camera can see as a whole.
 pub(super) const TOO_LARGE: &str = "it is too large: a camera that sees all of it would be farther away than single precision \
      reaches";
+
+/// The camera that sees all of the scene in the file at `path`, in words.
+pub(super) fn seen_whole(
+    scene: &Scene,
+    size: [u32; 2],
+    path: &Path,
+) -> Result<AuthoredCamera, SceneError> {
+    let chosen = frame_all(scene, size).map_err(|why| match why {
+        Unseen::Nothing => SceneError::invalid_file(path, "there is nothing to see in it"),
+        Unseen::TooLarge => SceneError::invalid_file(path, TOO_LARGE),
+    })?;
+    Ok(chosen.authored)
+}
 
 /// A camera that sees all objects in a picture of `size` pixels.
 pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Result<Chosen, Unseen> {

@@ -2,10 +2,11 @@
 
 use super::files::{Files, Found};
 use super::origins::PictureOrigin;
-use crate::error::{SceneError, SceneErrorKind, Source};
+use crate::error::{ImageError, SceneError, SceneErrorKind, Source};
 use crate::image;
 use crate::limits::Limits;
 use rayon::prelude::*;
+use rutilant::image::Image;
 use rutilant::scene::BitmapId;
 use rutilant::texture::Bitmap;
 use std::collections::HashMap;
@@ -33,6 +34,26 @@ pub(crate) enum From {
 
 /// What stands in for a picture that is missing: nobody takes it for anything else.
 const MISSING: [u8; 4] = [255, 0, 255, 255];
+
+/// The picture of a sky, and where it comes from: bytes that are carried along under `name`, or the
+/// file that `find` finds.
+///
+/// # Errors
+/// That there is no such file; what is wrong with its content stands in the picture's place.
+pub(super) fn sky_picture<E>(
+    files: &Files<'_>,
+    name: &str,
+    limits: &Limits,
+    find: impl FnOnce() -> Result<Found, E>,
+) -> Result<(Result<Image, ImageError>, PictureOrigin), E> {
+    if let Some(bytes) = files.embedded(name) {
+        let read = image::read_bytes(bytes, Path::new(name), limits);
+        let (title, bytes) = (name.to_owned(), Arc::new(bytes.to_owned()));
+        return Ok((read, PictureOrigin::Bytes { title, bytes }));
+    }
+    let Found { path, identity } = find()?;
+    Ok((image::read(&path, limits), PictureOrigin::File(identity)))
+}
 
 /// All pictures that a scene has asked for so far, by [`BitmapId`].
 #[derive(Clone, Debug, Default)]

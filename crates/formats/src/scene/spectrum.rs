@@ -212,10 +212,7 @@ pub(crate) fn black_body(kelvin: f32) -> Rgb {
 /// The complex index of a metal, `eta + i k`, whose parts are spectra: the colour at normal incidence
 /// in daylight is right, as for [`Metal`].
 pub(crate) fn metal_of(eta: &Sampled, k: &Sampled) -> [Rgb; 2] {
-    let reflected = |nm: f32| {
-        let (n, k) = (eta.at(nm), k.at(nm));
-        ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
-    };
+    let reflected = |nm: f32| normal_reflectance(eta.at(nm), k.at(nm));
     let points = VISIBLE_NM.map(|nm| (f32::from(nm), reflected(f32::from(nm)))).collect();
     let reflectance = Sampled { points };
     let most = reflectance.points.iter().fold(0.0_f32, |most, point| most.max(point.1));
@@ -228,8 +225,14 @@ pub(crate) fn metal_of(eta: &Sampled, k: &Sampled) -> [Rgb; 2] {
     [Rgb(n), Rgb(k)]
 }
 
+/// What the border to an index of `eta + i k` reflects of light that falls straight onto it.
+pub(crate) fn normal_reflectance(eta: f32, k: f32) -> f32 {
+    let square = k * k;
+    ((eta - 1.0) * (eta - 1.0) + square) / ((eta + 1.0) * (eta + 1.0) + square)
+}
+
 /// No metal reflects more, and no index would do it.
-const MOST_REFLECTED: f32 = 0.9999;
+pub(crate) const MOST_REFLECTED: f32 = 0.9999;
 
 /// The complex index, `[eta, k]`, of a metal that is called so: its chemical symbol, as pbrt and
 /// Mitsuba have it.

@@ -3,9 +3,18 @@
 //! Nothing here copies or decodes the text. A reader remembers byte positions;
 //! only an error asks which line and column one of them is.
 
-use crate::error::Source;
+use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::shown::{decode, quoted};
 use std::path::Path;
+
+/// The content of the file at `path` as text.
+pub(super) fn in_utf8(bytes: Vec<u8>, path: &Path) -> Result<String, SceneError> {
+    String::from_utf8(bytes).map_err(|error| {
+        let at = place(path, error.as_bytes(), error.utf8_error().valid_up_to());
+        let what = "the text is not UTF-8 here; save the file as UTF-8";
+        SceneError { at, kind: SceneErrorKind::Invalid(what.to_owned()) }
+    })
+}
 
 /// A place in a text that moves forward.
 #[derive(Clone, Copy)]

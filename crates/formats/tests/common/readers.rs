@@ -13,7 +13,9 @@ use rutilant::{Prepared, Session};
 use rutilant_formats::scene::gltf::{self, Moment};
 use rutilant_formats::scene::mitsuba::serialized;
 use rutilant_formats::scene::{mtl, obj, ply, stl};
-use rutilant_formats::{Limits, ReadOptions, image, parse_mitsuba, parse_native, parse_pbrt};
+use rutilant_formats::{
+    Limits, LoadedScene, ReadOptions, SceneError, image, parse_mitsuba, parse_native, parse_pbrt,
+};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -317,17 +319,23 @@ const MITSUBA_FILES: &[(&str, &[u8])] = &[
     ("a.serialized", include_bytes!("../../../../fuzz/corpus/serialized/v4.serialized")),
 ];
 
-fn mitsuba(bytes: &[u8]) -> bool {
-    let options = ReadOptions { embedded: MITSUBA_FILES, ..ReadOptions::default() };
-    match parse_mitsuba(bytes.to_vec(), Path::new("nowhere/scene.xml"), &options) {
+/// A scene that was read is one that can be rendered.
+fn checked_scene(read: &Result<LoadedScene, SceneError>) -> bool {
+    match read {
         Ok(loaded) => {
             checked_notes(&loaded.notes);
+            loaded.scene.meshes.iter().for_each(checked_mesh);
             loaded.scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
             loaded.settings.validate().unwrap_or_else(|problem| panic!("{problem}"));
             true
         }
-        Err(error) => refused(&error),
+        Err(error) => refused(error),
     }
+}
+
+fn mitsuba(bytes: &[u8]) -> bool {
+    let options = ReadOptions { embedded: MITSUBA_FILES, ..ReadOptions::default() };
+    checked_scene(&parse_mitsuba(bytes.to_vec(), Path::new("nowhere/scene.xml"), &options))
 }
 
 fn serialized(bytes: &[u8]) -> bool {
@@ -359,15 +367,7 @@ fn stl(bytes: &[u8]) -> bool {
 
 fn native(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
-    match parse_native(&text, Path::new("nowhere/scene.toml"), &options()) {
-        Ok(loaded) => {
-            checked_notes(&loaded.notes);
-            loaded.scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
-            loaded.settings.validate().unwrap_or_else(|problem| panic!("{problem}"));
-            true
-        }
-        Err(error) => refused(&error),
-    }
+    checked_scene(&parse_native(&text, Path::new("nowhere/scene.toml"), &options()))
 }
 
 fn obj(bytes: &[u8]) -> bool {
@@ -452,16 +452,7 @@ fn gltf(bytes: &[u8]) -> bool {
 }
 
 fn pbrt(bytes: &[u8]) -> bool {
-    match parse_pbrt(bytes.to_owned(), Path::new("nowhere/scene.pbrt"), &options()) {
-        Ok(loaded) => {
-            checked_notes(&loaded.notes);
-            loaded.scene.meshes.iter().for_each(checked_mesh);
-            loaded.scene.validate().unwrap_or_else(|problem| panic!("{problem}"));
-            loaded.settings.validate().unwrap_or_else(|problem| panic!("{problem}"));
-            true
-        }
-        Err(error) => refused(&error),
-    }
+    checked_scene(&parse_pbrt(bytes.to_owned(), Path::new("nowhere/scene.pbrt"), &options()))
 }
 
 fn image(bytes: &[u8], name: &str) -> bool {

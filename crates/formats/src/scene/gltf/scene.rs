@@ -19,7 +19,7 @@ use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
 use crate::scene::called;
 use crate::scene::files::Files;
-use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
+use crate::scene::framing::seen_whole;
 use crate::scene::loaded::{LoadedScene, NOTHING_MOVES, camera_named};
 use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
@@ -523,11 +523,7 @@ impl<'d> Maker<'d> {
         let auto = *options.camera == CameraChoice::Auto;
         if cameras.is_empty() || auto {
             camera = cameras.len();
-            let chosen = frame_all(&self.scene, size).map_err(|why| match why {
-                Unseen::Nothing => invalid("there is nothing to see in it"),
-                Unseen::TooLarge => invalid(TOO_LARGE),
-            });
-            cameras.push(chosen?.authored);
+            cameras.push(seen_whole(&self.scene, size, self.path)?);
             if !auto {
                 self.notes.push(format!(
                     "{}: there is no camera in it: one was chosen that sees everything",

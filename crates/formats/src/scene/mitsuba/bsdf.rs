@@ -10,7 +10,7 @@ use super::texture::{Paint, Use};
 use super::value::Value;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::nearest::nearest;
-use crate::scene::spectrum;
+use crate::scene::spectrum::{self, MOST_REFLECTED, normal_reflectance};
 use crate::shown::shown;
 use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
@@ -606,15 +606,9 @@ fn brush(layers: &mut Principled, [u, v]: [f32; 2]) {
     }
 }
 
-/// What metal of index η + i k reflects at normal incidence.
-fn normal_reflectance(eta: f32, k: f32) -> f32 {
-    let k2 = k * k;
-    ((eta - 1.0) * (eta - 1.0) + k2) / ((eta + 1.0) * (eta + 1.0) + k2)
-}
-
 /// An index that reflects so much at normal incidence: with this real part, if there is one.
 fn index_of(eta: f32, reflectance: f32) -> (f32, f32) {
-    let r = reflectance.clamp(0.0, 0.9999);
+    let r = reflectance.clamp(0.0, MOST_REFLECTED);
     let k2 = (r * (eta + 1.0) * (eta + 1.0) - (eta - 1.0) * (eta - 1.0)) / (1.0 - r);
     if k2 >= 0.0 {
         return (eta, k2.sqrt());
@@ -705,14 +699,7 @@ impl Facets {
 
 /// What a smooth border reflects of unpolarised light.
 fn fresnel(cos: f32, eta: f32) -> f32 {
-    let sin2 = (1.0 - cos * cos).max(0.0) / (eta * eta);
-    if sin2 >= 1.0 {
-        return 1.0;
-    }
-    let bent = (1.0 - sin2).sqrt();
-    let across = (cos - eta * bent) / (cos + eta * bent);
-    let along = (eta * cos - bent) / (eta * cos + bent);
-    0.5 * (across * across + along * along)
+    Fresnel::Exact.dielectric(cos, eta).0
 }
 
 #[cfg(test)]

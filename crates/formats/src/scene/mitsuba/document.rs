@@ -713,7 +713,7 @@ impl Builder<'_> {
             let what = "included files";
             return Err(self.document.error(place, SceneErrorKind::Limit { what, asked, allowed }));
         }
-        let text = in_utf8(found.bytes, &found.path)?;
+        let text = plain_text(found.bytes, &found.path)?;
         within.push(found.identity);
         self.file(found.path, &text.into(), parent, within)?;
         within.pop();
@@ -834,12 +834,9 @@ fn renamed(name: String, old: bool) -> String {
     new
 }
 
-/// Bytes as text.
-pub(super) fn in_utf8(bytes: Vec<u8>, path: &Path) -> Result<String, SceneError> {
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let at = text::place(path, error.as_bytes(), error.utf8_error().valid_up_to());
-        SceneError { at, kind: SceneErrorKind::Invalid("this is not UTF-8".to_owned()) }
-    })?;
+/// Bytes as text, without the byte order mark.
+pub(super) fn plain_text(bytes: Vec<u8>, path: &Path) -> Result<String, SceneError> {
+    let text = text::in_utf8(bytes, path)?;
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_owned(),
         None => text,

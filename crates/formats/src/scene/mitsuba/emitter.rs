@@ -7,15 +7,13 @@ use super::document::{Class, View};
 use super::scene::Maker;
 use super::texture::Use;
 use crate::error::SceneError;
-use crate::image;
 use crate::scene::affine::{Affine, single};
-use crate::scene::origins::PictureOrigin;
+use crate::scene::pictures::sky_picture;
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, EnvironmentLight, Light, Projection, SpotLight};
 use rutilant::material::{Emission, EmittedLight};
 use rutilant::scene::Place;
 use rutilant_geom::{DVec3, real};
-use std::sync::Arc;
 
 /// All that are read.
 const KNOWN: &[&str] = &["area", "constant", "envmap", "point", "spot", "directional"];
@@ -119,18 +117,10 @@ impl Maker<'_, '_> {
         let scale = emitter.number("scale", 1.0)?;
         let to_world = emitter.transform("to_world")?;
         emitter.pass_over(&["mis_compensation"]);
-        let picture = match self.document.files.embedded(name) {
-            Some(bytes) => {
-                let (title, content) = (name.to_owned(), Arc::new(bytes.to_owned()));
-                self.image_origins.push(PictureOrigin::Bytes { title, bytes: content });
-                image::read_bytes(bytes, name.as_ref(), &self.options.limits)
-            }
-            None => {
-                let found = self.document.find(name, place)?;
-                self.image_origins.push(PictureOrigin::File(found.identity));
-                image::read(&found.path, &self.options.limits)
-            }
-        };
+        let find = || self.document.find(name, place);
+        let (picture, origin) =
+            sky_picture(&self.document.files, name, &self.options.limits, find)?;
+        self.image_origins.push(origin);
         let picture = picture.map_err(|error| SceneError::invalid_file(&error.file, error.what))?;
         if to_world.mirrors() {
             let what = "a sky that is mirrored is shown as it is";

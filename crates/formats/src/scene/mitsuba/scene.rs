@@ -1,7 +1,7 @@
 //! From a document to a scene of the renderer.
 
 use super::bsdf::Look;
-use super::document::{self, Class, Content, Document, View, in_utf8};
+use super::document::{self, Class, Content, Document, View, plain_text};
 use super::emitter::upright;
 use super::shape::MeshKey;
 use super::texture::{Paint, Use};
@@ -12,7 +12,7 @@ use crate::limits::Limits;
 use crate::options::{CameraChoice, ReadOptions};
 use crate::scene::affine::Affine;
 use crate::scene::bare;
-use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
+use crate::scene::framing::seen_whole;
 use crate::scene::loaded::{LoadedScene, camera_named};
 use crate::scene::origins::{Origins, PictureOrigin};
 use crate::scene::pictures::Pictures;
@@ -36,7 +36,7 @@ pub(crate) fn read_bytes(
     path: &Path,
     options: &ReadOptions<'_>,
 ) -> Result<LoadedScene, SceneError> {
-    let document = Document::parse(in_utf8(bytes, path)?, path, options)?;
+    let document = Document::parse(plain_text(bytes, path)?, path, options)?;
     let scene = document.object(0);
     let mut maker = Maker {
         document: &document,
@@ -233,7 +233,6 @@ impl Maker<'_, '_> {
         for sensor in &sensors {
             cameras.push(self.camera(*sensor, size)?);
         }
-        let invalid = |what: &str| SceneError::invalid_file(path, what);
         let mut camera = camera_named(&cameras, path, options)?;
         let auto = *options.camera == CameraChoice::Auto;
         self.scene.bitmaps =
@@ -242,11 +241,7 @@ impl Maker<'_, '_> {
             // What is wrong with the things comes before that they cannot be seen.
             self.scene.validate().map_err(|problem| self.blame(problem, path))?;
             camera = cameras.len();
-            let chosen = frame_all(&self.scene, size).map_err(|why| match why {
-                Unseen::Nothing => invalid("there is nothing to see in it"),
-                Unseen::TooLarge => invalid(TOO_LARGE),
-            })?;
-            cameras.push(chosen.authored);
+            cameras.push(seen_whole(&self.scene, size, path)?);
             if !auto {
                 let what = "there is no sensor in it: a camera was chosen that sees everything";
                 self.notes.push(format!("{}: {what}", path.display()));

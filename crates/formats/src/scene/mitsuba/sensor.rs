@@ -263,25 +263,21 @@ impl Maker<'_, '_> {
             }
         }
         let max_depth = integrator.integer("max_depth")?.unwrap_or(-1);
-        settings.max_depth = match max_depth {
-            -1 => None,
-            0 => {
-                let place = integrator.property("max_depth").map(|written| written.place);
-                let what =
-                    "max_depth is 0, with which nothing is seen: it must be 1 or more, or -1";
-                return Err(integrator.document.invalid(place.unwrap_or(integrator.place()), what));
+        settings.max_depth = match (max_depth, u32::try_from(max_depth)) {
+            (-1, _) => None,
+            (1.., Ok(depth)) => Some(depth),
+            (_, _) => {
+                let written = integrator.property("max_depth");
+                let place = written.map_or(integrator.place(), |written| written.place);
+                let what = match max_depth {
+                    0 => "max_depth is 0, with which nothing is seen: it must be 1 or more, or -1"
+                        .to_owned(),
+                    _ => {
+                        format!("max_depth is {max_depth}, but must be 1 or more, or -1 for no end")
+                    }
+                };
+                return Err(integrator.document.invalid(place, what));
             }
-            depth => match u32::try_from(depth) {
-                Ok(depth) => Some(depth),
-                Err(_) => {
-                    let place = integrator.property("max_depth").map(|written| written.place);
-                    let what =
-                        format!("max_depth is {depth}, but must be 1 or more, or -1 for no end");
-                    return Err(integrator
-                        .document
-                        .invalid(place.unwrap_or(integrator.place()), what));
-                }
-            },
         };
         // When paths end at random changes noise alone: that is for the renderer to say.
         integrator.pass_over(&[

@@ -3,14 +3,14 @@
 //! Texture coordinates are kept as Mitsuba has them. There the first row of a picture is where v is
 //! 0, here the last one; so pictures, and only they, are turned over in their mapping.
 
-use super::document::{Class, Place, View};
+use super::document::{Class, Place, View, plain_text};
 use super::scene::Maker;
 use super::value::{Color, Value};
 use crate::error::SceneError;
 use crate::scene::affine::Affine;
 use crate::scene::spectrum::{Sampled, illuminant};
 use crate::shown::shown;
-use rutilant::color::Rgb;
+use rutilant::color::{Rgb, Spectrum};
 use rutilant::scene::TextureId;
 use rutilant::texture::{
     Channel, Checker, ColorInput, Encoding, ImageTexture, Interpolation, ScalarInput, Texture,
@@ -40,11 +40,12 @@ impl Paint {
         ColorInput { factor, texture, vertex_colors }
     }
 
-    /// As a number: its red, which is that of all channels of a grey one.
+    /// As a number: the luminance of its factor, and of a texture the red, which is that of all
+    /// channels of a grey one.
     pub(super) fn scalar(self) -> ScalarInput {
         let [r, g, b] = self.factor.0;
-        // The luminance of sRGB's primaries.
-        let factor = if r == g && g == b { r } else { 0.2126 * r + 0.7152 * g + 0.0722 * b };
+        let luminance = Spectrum::from(self.factor).luminance();
+        let factor = if r == g && g == b { r } else { luminance };
         ScalarInput { factor, texture: self.texture.map(|id| (id, Channel::Red)) }
     }
 }
@@ -173,7 +174,7 @@ impl Maker<'_, '_> {
 
     fn sampled_file(&self, name: &str, place: Place) -> Result<Sampled, SceneError> {
         let found = self.document.content(name, place)?;
-        let text = super::document::in_utf8(found.bytes, &found.path)?;
+        let text = plain_text(found.bytes, &found.path)?;
         Sampled::parse(&text).map_err(|what| SceneError::invalid_file(&found.path, what))
     }
 

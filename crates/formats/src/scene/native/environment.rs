@@ -5,12 +5,10 @@ use super::keys;
 use super::said::{self, Group, Said, color, degrees, number};
 use super::table::{Table, Value};
 use crate::error::SceneError;
-use crate::image;
 use crate::scene::origins::PictureOrigin;
+use crate::scene::pictures::sky_picture;
 use rutilant::light::{Environment, EnvironmentLight, Projection};
 use rutilant::scene::Place;
-use std::path::Path;
-use std::sync::Arc;
 
 const PROJECTIONS: &[(&str, Projection)] = &[
     ("equirectangular", Projection::Equirectangular),
@@ -52,19 +50,12 @@ fn read_image(
     draft: &mut Draft<'_>,
 ) -> Result<rutilant::image::Image, SceneError> {
     let name = value.text()?;
-    let image = match draft.files.embedded(name) {
-        Some(bytes) => {
-            let (title, kept) = (name.to_owned(), Arc::new(bytes.to_owned()));
-            draft.origins.images.push(PictureOrigin::Bytes { title, bytes: kept });
-            image::read_bytes(bytes, Path::new(name), &draft.left)
-        }
-        None => {
-            let found = draft.files.find(name).map_err(|what| value.invalid(what))?;
-            draft.read.push(found.identity.clone());
-            draft.origins.images.push(PictureOrigin::File(found.identity));
-            image::read(&found.path, &draft.left)
-        }
-    };
+    let find = || draft.files.find(name).map_err(|what| value.invalid(what));
+    let (image, origin) = sky_picture(&draft.files, name, &draft.left, find)?;
+    if let PictureOrigin::File(file) = &origin {
+        draft.read.push(file.clone());
+    }
+    draft.origins.images.push(origin);
     image.map_err(|error| value.invalid(error.to_string()))
 }
 

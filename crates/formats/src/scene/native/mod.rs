@@ -28,6 +28,7 @@ mod texture;
 use super::framing::{TOO_LARGE, Unseen, frame_all};
 use super::loaded::LoadedScene;
 use super::mesh_file;
+use super::text::in_utf8;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
@@ -46,14 +47,14 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
 
 /// The text of a `.toml` file.
 pub(crate) fn text(path: &Path, limits: &Limits) -> Result<String, SceneError> {
-    String::from_utf8(file::scene_bytes(path, limits)?).map_err(|error| {
-        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let good = String::from_utf8_lossy(good);
-        let what = match error.as_bytes().contains(&0) {
-            true => "this is no text, so no scene in TOML",
-            false => "the text is not UTF-8 here; save the file as UTF-8",
-        };
-        Document::new(&good, path).invalid(good.len(), what)
+    let bytes = file::scene_bytes(path, limits)?;
+    let is_binary = bytes.contains(&0);
+    in_utf8(bytes, path).map_err(|error| match is_binary {
+        true => {
+            let what = "this is no text, so no scene in TOML";
+            SceneError { kind: SceneErrorKind::Invalid(what.to_owned()), ..error }
+        }
+        false => error,
     })
 }
 

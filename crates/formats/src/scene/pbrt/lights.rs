@@ -19,6 +19,7 @@ use crate::image;
 use crate::scene::affine::{Affine, single};
 use crate::scene::nearest::nearest;
 use crate::scene::origins::PictureOrigin;
+use crate::scene::pictures::sky_picture;
 use crate::shown::shown;
 use rutilant::color::{Rgb, Spectrum};
 use rutilant::image::{Channel, Image};
@@ -278,20 +279,11 @@ impl Maker<'_> {
             }
         };
         let invalid = |what: String| self.texts.invalid(place, what);
-        let (read, mut origin) = match self.files.embedded(&name) {
-            Some(bytes) => {
-                let read =
-                    image::read_bytes(bytes, std::path::Path::new(&name), &self.options.limits);
-                let bytes = Arc::new(bytes.to_owned());
-                (read, PictureOrigin::Bytes { title: name.clone(), bytes })
-            }
-            None => {
-                let found = self.files.find(&name).map_err(invalid)?;
-                let read = image::read(&found.path, &self.options.limits);
-                self.read_files.push(found.identity.clone());
-                (read, PictureOrigin::File(found.identity))
-            }
-        };
+        let find = || self.files.find(&name).map_err(invalid);
+        let (read, mut origin) = sky_picture(self.files, &name, &self.options.limits, find)?;
+        if let PictureOrigin::File(file) = &origin {
+            self.read_files.push(file.clone());
+        }
         let mut picture = read.map_err(|error| invalid(error.to_string()))?;
         if self.world.mirrors_sky {
             picture = mirrored(&picture);

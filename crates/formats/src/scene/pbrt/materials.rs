@@ -16,8 +16,9 @@ use super::state::Chosen;
 use super::textures::{Change, Texel};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::nearest::nearest;
-use crate::scene::spectrum;
+use crate::scene::spectrum::{self, normal_reflectance};
 use crate::shown::shown;
+use rutilant::bsdf::Fresnel;
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Bumps, Conductor, Dielectric, MAX_IOR, MAX_SPECULAR_COLOR, MOST_ROUGH_RATIO,
@@ -299,7 +300,7 @@ impl Maker<'_> {
                 );
                 let rough = self.rough(parameters, "", 0.1, false)?;
                 // What it reflects is said for light that falls straight onto it, not as a factor.
-                let gloss = gloss.times(grey(1.0 / normal_reflectance(1.5)));
+                let gloss = gloss.times(grey(1.0 / normal_reflectance(1.5, 0.0)));
                 self.glossy(&body, &gloss, 1.5, &rough, parameters)
             }
             "metal" => self.conductor(parameters, true)?,
@@ -863,17 +864,10 @@ impl Metal {
     /// What it reflects of light that falls straight onto it, from a medium of index `outside`.
     fn normal_reflectance(&self, outside: f32) -> Rgb {
         Rgb(std::array::from_fn(|i| {
-            let (n, k) = (self.eta.0[i] / outside, self.k.0[i] / outside);
-            let square = k * k;
-            (((n - 1.0) * (n - 1.0) + square) / ((n + 1.0) * (n + 1.0) + square)).clamp(0.0, 1.0)
+            let [eta, k] = [self.eta, self.k].map(|part| part.0[i] / outside);
+            normal_reflectance(eta, k).clamp(0.0, 1.0)
         }))
     }
-}
-
-/// What a smooth dielectric reflects of light that falls straight onto it.
-fn normal_reflectance(ior: f32) -> f32 {
-    let r = (ior - 1.0) / (ior + 1.0);
-    r * r
 }
 
 /// What a dielectric surface sends back of diffuse light that comes to it from inside. The light
@@ -889,10 +883,8 @@ pub(super) fn sent_back_inside(ior: f32) -> f32 {
     let mut outside = 0.0;
     for i in 0..STEPS {
         let mu = (i as f32 + 0.5) * step;
-        let inner = (1.0 - (1.0 - mu * mu) / (ior * ior)).max(0.0).sqrt();
-        let (s, p) =
-            ((mu - ior * inner) / (mu + ior * inner), (ior * mu - inner) / (ior * mu + inner));
-        outside += (s * s + p * p) * mu * step;
+        let (reflected, _) = Fresnel::Exact.dielectric(mu, ior);
+        outside += 2.0 * reflected * mu * step;
     }
     1.0 - (1.0 - outside) / (ior * ior)
 }

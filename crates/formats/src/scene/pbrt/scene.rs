@@ -20,7 +20,7 @@ use crate::scene::affine::Affine;
 use crate::scene::bare;
 use crate::scene::called;
 use crate::scene::files::Files;
-use crate::scene::framing::{TOO_LARGE, Unseen, frame_all};
+use crate::scene::framing::seen_whole;
 use crate::scene::loaded::{LoadedScene, TextureName, camera_named};
 use crate::scene::nearest::nearest;
 use crate::scene::origins::{MeshOrigin, Origins, PictureOrigin};
@@ -475,12 +475,8 @@ impl<'d> Maker<'d> {
         let mut camera = camera_named(&cameras, path, options)?;
         if *options.camera == CameraChoice::Auto {
             let size = options.size.unwrap_or(settings.size);
-            let chosen = frame_all(&self.scene, size).map_err(|why| match why {
-                Unseen::Nothing => invalid("there is nothing to see in it".to_owned()),
-                Unseen::TooLarge => invalid(TOO_LARGE.to_owned()),
-            })?;
             camera = cameras.len();
-            cameras.push(chosen.authored);
+            cameras.push(seen_whole(&self.scene, size, path)?);
         }
         let size = options.size.unwrap_or(settings.size);
         self.scene.camera = cameras[camera].camera(size).map_err(|problem| {
