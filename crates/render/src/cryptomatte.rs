@@ -21,7 +21,7 @@
 use crate::scene::Scene;
 use crate::shape::Shape;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The layers: their names, in the order in which they are kept.
@@ -121,9 +121,9 @@ fn hex(id: u32) -> String {
 
 /// Names and their ids as an object of JSON, in the order of the names.
 fn manifest<'s>(names: impl Iterator<Item = Cow<'s, str>>) -> String {
-    let sorted: BTreeMap<_, _> = names.map(|name| (id(&name), name)).map(|(i, n)| (n, i)).collect();
+    let sorted: BTreeSet<_> = names.collect();
     let mut text = String::from("{");
-    for (i, (name, id)) in sorted.iter().enumerate() {
+    for (i, name) in sorted.iter().enumerate() {
         text.push_str(if i > 0 { ",\"" } else { "\"" });
         for unit in name.encode_utf16() {
             match u8::try_from(unit) {
@@ -133,7 +133,7 @@ fn manifest<'s>(names: impl Iterator<Item = Cow<'s, str>>) -> String {
                 Ok(_) | Err(_) => text.push_str(&format!("\\u{unit:04x}")),
             }
         }
-        text.push_str(&format!("\":\"{}\"", hex(*id)));
+        text.push_str(&format!("\":\"{}\"", hex(id(name))));
     }
     text + "}"
 }
