@@ -177,11 +177,14 @@ impl PreparedTextures {
     /// What a colour at a place is made of.
     #[inline]
     pub(super) fn seek(&self, input: &ColorInput, at: &TexturePlace<'_>) -> SoughtColor<'_> {
+        let factor = Spectrum::from(input.factor);
         let white = Sought::Known([1.0; 4]);
         SoughtColor {
-            factor: input.factor.into(),
+            factor: match input.vertex_colors {
+                true => factor * opaque(at.vertex_color()),
+                false => factor,
+            },
             texture: input.texture.map_or(white, |id| self.textures[id.0 as usize].seek(at)),
-            vertices: if input.vertex_colors { at.vertex_color() } else { [1.0; 4] },
         }
     }
 
@@ -218,7 +221,6 @@ enum Sought<'p> {
 pub(crate) struct SoughtColor<'p> {
     factor: Spectrum,
     texture: Sought<'p>,
-    vertices: [f32; 4],
 }
 
 impl Sought<'_> {
@@ -240,7 +242,7 @@ impl SoughtColor<'_> {
 
     #[inline]
     fn color(&self) -> Spectrum {
-        self.factor * opaque(self.texture.read()) * opaque(self.vertices)
+        self.factor * opaque(self.texture.read())
     }
 }
 

@@ -33,8 +33,10 @@ pub(crate) struct Pyramid {
 pub(crate) struct Footprint<'p> {
     bitmap: &'p Bitmap,
     codes: &'p Codes,
-    /// Columns and rows: left and right in the upper row, then in the lower one.
-    texels: [[u32; 2]; 4],
+    /// Left and right.
+    columns: [u32; 2],
+    /// The upper and the lower one.
+    rows: [u32; 2],
     /// How far from left to right, and from the upper to the lower row.
     parts: [f32; 2],
 }
@@ -117,17 +119,18 @@ impl Pyramid {
         let (u, v) = (wrap[0].within(uv.x), wrap[1].within(uv.y));
         let size = [bitmap.width(), bitmap.height()];
         let (x, y) = (u * size[0] as f32, (1.0 - v) * size[1] as f32);
-        let (texels, parts) = match interpolation {
+        let (columns, rows, parts) = match interpolation {
             Interpolation::Nearest => {
-                ([[(x as u32).min(size[0] - 1), (y as u32).min(size[1] - 1)]; 4], [0.0; 2])
+                let (i, j) = ((x as u32).min(size[0] - 1), (y as u32).min(size[1] - 1));
+                ([i; 2], [j; 2], [0.0; 2])
             }
             Interpolation::Bilinear => {
-                let ([i, k], p) = wrap[0].neighbours(x, size[0]);
-                let ([j, l], q) = wrap[1].neighbours(y, size[1]);
-                ([[i, j], [k, j], [i, l], [k, l]], [p, q])
+                let (columns, p) = wrap[0].neighbours(x, size[0]);
+                let (rows, q) = wrap[1].neighbours(y, size[1]);
+                (columns, rows, [p, q])
             }
         };
-        Footprint { bitmap, codes, texels, parts }
+        Footprint { bitmap, codes, columns, rows, parts }
     }
 
     /// The level whose texels are at most as large as `width` texels of the picture.
@@ -147,7 +150,8 @@ impl Footprint<'_> {
     #[inline]
     pub(crate) fn read(&self) -> [f32; 4] {
         let [p, q] = self.parts;
-        let [a, b, c, d] = texels(self.bitmap, self.codes, self.texels);
+        let ([i, k], [j, l]) = (self.columns, self.rows);
+        let [a, b, c, d] = texels(self.bitmap, self.codes, [[i, j], [k, j], [i, l], [k, l]]);
         between(between(a, b, p), between(c, d, p), q)
     }
 }
