@@ -58,7 +58,7 @@ pub(crate) fn write(
 
 /// True for files that hold more channels than those of a colour.
 pub(crate) fn holds_layers(path: &Path) -> bool {
-    Format::from_path(path).is_ok_and(|format| format == Format::Exr)
+    Format::from_path(path).is_ok_and(Format::holds_layers)
 }
 
 /// True for files that hold light rather than what a display shows.

@@ -10,11 +10,12 @@
 
 use crate::ladder::{Ladder, reduced};
 use crate::picture::{Developed, View, develop, filled};
+use rutilant::cryptomatte;
 use rutilant::display::Display;
 use rutilant::focus::Focus;
 use rutilant::image::Image;
 use rutilant::scene::{Scene, SceneProblem};
-use rutilant::settings::{IntegratorKind, Layers, Settings};
+use rutilant::settings::{IntegratorKind, Layer, Layers, Settings};
 use rutilant::{Prepared, Progress, Session};
 use rutilant_formats::Look;
 use rutilant_formats::camera::AuthoredCamera;
@@ -71,6 +72,8 @@ pub(crate) struct Job {
     pub(crate) display: Display,
     /// Where it is to be written.
     pub(crate) file: PathBuf,
+    /// What the file's header has to say of its mattes, once it has begun.
+    pub(crate) mattes: Vec<(String, String)>,
 }
 
 /// How far a [`Job`] has come.
@@ -695,8 +698,11 @@ impl Worker {
         Some(developed)
     }
 
-    fn begin_job(&mut self, job: Job) {
-        let Some((prepared, look)) = &self.prepared else { return };
+    fn begin_job(&mut self, mut job: Job) {
+        let (Some((prepared, look)), Some(scene)) = (&self.prepared, &self.scene) else { return };
+        if job.settings.layers.has(Layer::Cryptomatte) {
+            job.mattes = cryptomatte::metadata(scene);
+        }
         let problem = locked(&self.shared.status).problem.clone();
         let camera = problem.map_or_else(|| look.camera.camera(job.settings.size), Err);
         let started = camera.and_then(|camera| {
@@ -752,7 +758,7 @@ impl Worker {
 /// How the window renders: all of the picture, in the order of samples that the scene's number of
 /// them is best for, however far it goes.
 pub(crate) fn window_settings(settings: &Settings, integrator: Option<IntegratorKind>) -> Settings {
-    // Layers are for files that the command line writes.
+    // Layers are for files.
     let (planned_spp, layers) = (Some(settings.spp), Layers::NONE);
     let mut settings = Settings { crop: None, planned_spp, layers, ..settings.clone() };
     if let Some(integrator) = integrator {
@@ -876,14 +882,14 @@ material = "glass"
     /// Begins a job.
     fn begin(live: &Live, settings: Settings) {
         let (file, display) = ("a.exr".into(), Display::default());
-        assert!(live.begin_job(Job { settings, file, display }));
+        assert!(live.begin_job(Job { settings, file, display, mattes: Vec::new() }));
     }
 
     /// Waits for the picture of a job.
-    fn rendered(live: &Live) -> Arc<Image> {
+    fn rendered(live: &Live) -> (Arc<Image>, Job) {
         loop {
             match live.job() {
-                Some(JobState::Done { image, .. }) => return image,
+                Some(JobState::Done { image, job, .. }) => return (image, job),
                 Some(JobState::Waiting | JobState::Running { .. }) => {
                     std::thread::sleep(Duration::from_millis(1));
                 }
@@ -988,10 +994,29 @@ material = "glass"
         live.stage(stage, wish(&look));
         let settings = Settings { size: [40, 30], spp: 7, ..look.settings.clone() };
         begin(&live, settings.clone());
-        let image = rendered(&live);
+        let (image, _) = rendered(&live);
         let asked = Look { settings, ..Look::clone(&look) };
         assert_eq!(image.hash(), headless(&asked));
         assert_eq!(finished(&live, &look).picture.image.hash(), headless(&look));
+    }
+
+    /// The layers that a scene asks for are in the pictures of jobs, with the names that mattes go
+    /// by, and not in the window's.
+    #[test]
+    fn layers_are_for_files() {
+        let live = Live::start(2, || {});
+        let mut stage = stage();
+        let look = Arc::make_mut(&mut stage.look);
+        look.settings.layers = Layers::NONE.with(Layer::Albedo).with(Layer::Cryptomatte);
+        let look = Arc::clone(&stage.look);
+        live.stage(stage, wish(&look));
+        begin(&live, Settings { spp: 2, ..look.settings.clone() });
+        let (image, job) = rendered(&live);
+        let layers = ["albedo.R", "CryptoMaterial00.R"];
+        assert!(layers.iter().all(|name| image.channel(name).is_some()));
+        assert!(job.mattes.iter().any(|(_, text)| text.contains("\"floor\"")));
+        let shown = finished(&live, &look).picture;
+        assert!(layers.iter().all(|name| shown.image.channel(name).is_none()));
     }
 
     /// While a job runs, changes are seen, with a sample at least; once it is stopped, the picture
@@ -1033,7 +1058,7 @@ material = "glass"
         second.scene.camera = other.camera.camera(other.settings.size).unwrap();
         second.prepared = Arc::new(Prepared::new(&second.scene).unwrap());
         live.stage(second, wish(&other));
-        assert_eq!(rendered(&live).hash(), headless(&Look { settings, ..Look::clone(&look) }));
+        assert_eq!(rendered(&live).0.hash(), headless(&Look { settings, ..Look::clone(&look) }));
         assert_eq!(finished(&live, &other).picture.image.hash(), headless(&other));
     }
 

@@ -85,6 +85,11 @@ impl Format {
         }
     }
 
+    /// Whether files of this format hold more channels than those of a colour.
+    pub fn holds_layers(self) -> bool {
+        self == Self::Exr
+    }
+
     /// The format that the first bytes of a file show.
     pub(crate) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         Some(match bytes {

@@ -182,7 +182,7 @@ impl Window {
             Some(JobState::Done { image, job, took }) => {
                 self.job = None;
                 self.message = Some(format!("rendered in {:.1} s", took.as_secs_f64()));
-                self.write_image(image, &job.settings, job.display, job.file);
+                self.write_image(image, &job.settings, job.display, job.file, &job.mattes);
             }
             Some(JobState::Failed { what }) => {
                 self.job = None;

@@ -8,7 +8,8 @@ use crate::live::Job;
 use crate::source::is_native;
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{self, Context, Key, Ui};
-use rutilant::settings::Settings;
+use rutilant::settings::{Layers, Settings};
+use rutilant_formats::image::Format;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -75,14 +76,17 @@ impl Window {
             Dialog::SaveImage(file) => {
                 if let Some(shown) = &self.shown {
                     let image = Arc::clone(&shown.picture.image);
-                    self.write_image(image, &shown.settings, shown.look.display, file.into());
+                    self.write_image(image, &shown.settings, shown.look.display, file.into(), &[]);
                 }
             }
             Dialog::Render { file, spp, size } => {
                 if let Some(history) = &self.history {
                     let display = history.present().display;
-                    let settings = Settings { spp, size, ..history.present().settings.clone() };
                     let path = Path::new(&file);
+                    let settings = &history.present().settings;
+                    let layered = Format::from_path(path).is_ok_and(Format::holds_layers);
+                    let layers = if layered { settings.layers } else { Layers::NONE };
+                    let settings = Settings { spp, size, layers, ..settings.clone() };
                     let fits = rutilant_formats::image::check_size(path, size[0], size[1]);
                     let fits = fits.and_then(|()| rutilant_formats::image::check_writable(path));
                     if let Some(what) = too_large(size, &self.reading.limits) {
@@ -91,7 +95,8 @@ impl Window {
                     }
                     match fits {
                         Ok(()) => {
-                            let begun = Job { settings, display, file: file.into() };
+                            let (file, mattes) = (file.into(), Vec::new());
+                            let begun = Job { settings, display, file, mattes };
                             if !self.live.begin_job(begun) {
                                 let what = "another picture is being rendered for a file";
                                 self.message = Some(format!("not begun: {what}"));

@@ -159,8 +159,10 @@ impl Window {
         settings: &Settings,
         display: Display,
         file: PathBuf,
+        mattes: &[(String, String)],
     ) {
-        let metadata = (self.describe)(settings, samples_of(&image));
+        let mut metadata = (self.describe)(settings, samples_of(&image));
+        metadata.extend_from_slice(mattes);
         self.write_beside(move || {
             let hash = Some(format!("{:016x}", image.hash()));
             let (width, height) = (image.width(), image.height());
