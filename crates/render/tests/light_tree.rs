@@ -291,3 +291,35 @@ fn any_number_of_threads_builds_the_same_tree() {
         assert!(built(threads) == one, "{threads} threads");
     }
 }
+
+/// Lamps that shine on both sides do so whichever side their triangles call the front: the tree is
+/// the same, and so is whom it chooses.
+#[test]
+fn two_sided_lamps_have_no_front() {
+    let room = |turned: bool| {
+        let mut scene = empty();
+        let glow = Emission { two_sided: true, ..Emission::radiance(Rgb::WHITE) };
+        let lamp = scene.add_material(glow);
+        for i in 0..300 {
+            let [x, y, z, a, b, c, tilt, _] = eight(54, i);
+            let at = 4.0 * Vec3::new(x, y, z);
+            // Upright plates that face one axis or the other, more or less.
+            let side = if i % 2 == 0 { Vec3::Z } else { Vec3::X };
+            let positions =
+                vec![at, at + Vec3::new(0.1 * a, 0.3, 0.1 * tilt), at + side * (0.1 + 0.2 * b)];
+            let back = turned && c < 0.5;
+            let triangles = vec![if back { [0, 2, 1] } else { [0, 1, 2] }];
+            let mesh = scene.add_mesh(Mesh { positions, triangles, ..Mesh::default() });
+            scene.objects.push(Object::new(Shape::Mesh(mesh), lamp));
+        }
+        Prepared::new(&scene).unwrap()
+    };
+    let rooms = [room(false), room(true)];
+    let [one, other] = [0, 1].map(|k| tree(rooms[k].emitters()));
+    for point in points(4.0) {
+        for i in 0..300 {
+            let [p, q] = [&one, &other].map(|tree| tree.pmf(&point, i));
+            assert!((p - q).abs() <= 1e-5 * p, "{point:?}, {i}: {p} {q}");
+        }
+    }
+}

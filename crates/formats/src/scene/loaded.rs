@@ -166,6 +166,7 @@ pub(super) fn camera_named(
         },
         None => {
             let there_are = match &labels(cameras)[..] {
+                [] => "there is none".to_owned(),
                 [only] => format!("there is only {only}"),
                 known => format!("there are {}", known[..known.len().min(20)].join(", ")),
             };

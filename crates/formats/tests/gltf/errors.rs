@@ -163,7 +163,7 @@ fn values_are_checked() {
         (
             "materials",
             json!([{"emissiveFactor": [1, 2, 1e39]}]),
-            "materials[0].emissiveFactor[2] is 1000000000000000000000000000000000000000, too large for single precision",
+            "materials[0].emissiveFactor[2] is 1e39, too large for single precision",
         ),
         (
             "materials",
@@ -204,11 +204,6 @@ fn values_are_checked() {
             "cameras",
             json!([{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 0, "znear": 0, "zfar": 1}}]),
             "cameras[0].orthographic.ymag is 0, but must not be",
-        ),
-        (
-            "extensions",
-            json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}]}}),
-            "extensions.KHR_lights_punctual.lights[0].spot has an innerConeAngle of 1, which must be at least 0 and less than the outerConeAngle of 0.5",
         ),
         ("images", json!([{}]), "images[0] has neither a \"uri\" nor a \"bufferView\""),
         (

@@ -410,9 +410,11 @@ fn cameras_and_lights_are_read() {
     builder.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.2}, "intensity": 3},
         {"type": "spot"},
+        {"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.5}},
+        {"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0}, "intensity": 1e30},
         {"type": "directional", "color": [1, 0.5, 0], "range": 7},
     ]}});
-    builder.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 2}});
+    builder.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 4}});
     builder.json["nodes"][0]["camera"] = json!(1);
     let document = builder.read();
     let cameras: Vec<_> = document.cameras.iter().map(|camera| camera.projection).collect();
@@ -427,8 +429,17 @@ fn cameras_and_lights_are_read() {
     let quarter = std::f32::consts::FRAC_PI_4;
     assert_eq!(lights[1].kind, LightKind::Spot { inner: 0.0, outer: quarter });
     assert_eq!((lights[1].intensity, lights[1].range), (1.0, f32::INFINITY));
-    assert_eq!((lights[2].kind, lights[2].range), (LightKind::Directional, 7.0));
-    assert_eq!((document.nodes[0].camera, document.nodes[0].light), (Some(1), Some(2)));
+    assert_eq!(lights[2].kind, LightKind::Spot { inner: 0.5, outer: 0.5 });
+    let least = rutilant::light::MIN_CONE;
+    assert_eq!(lights[3].kind, LightKind::Spot { inner: least, outer: least });
+    assert_eq!(lights[3].intensity, rutilant::scene::MOST_LIGHT);
+    assert!(
+        document.notes[0].contains("outside their range, moved to its end: 3 (first "),
+        "{:?}",
+        document.notes
+    );
+    assert_eq!((lights[4].kind, lights[4].range), (LightKind::Directional, 7.0));
+    assert_eq!((document.nodes[0].camera, document.nodes[0].light), (Some(1), Some(4)));
 }
 
 /// A variant gives some primitives another material, and is chosen by its name.

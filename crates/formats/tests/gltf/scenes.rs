@@ -206,6 +206,55 @@ fn plain_things_are_plain() {
     assert!(scene.materials.iter().all(|m| m.sides == Sides::Front));
 }
 
+/// An index of 0 stands for one without end: at normal incidence everything is reflected, but for
+/// the specular colour. `KHR_materials_pbrSpecularGlossiness` says how much, and means it.
+#[test]
+fn an_endless_index_is_a_mirror() {
+    let mut builder = Builder::triangle();
+    builder.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    for (extension, what, expected) in [
+        ("KHR_materials_ior", json!({"ior": 0}), [1.0; 3]),
+        (
+            "KHR_materials_pbrSpecularGlossiness",
+            json!({"specularFactor": [1, 0.5, 0.1]}),
+            [1.0, 0.5, 0.1],
+        ),
+    ] {
+        builder.json["materials"] = json!([{"extensions": {extension: what}}]);
+        builder.json["extensionsUsed"] = json!([extension]);
+        let scene = sound(&builder).scene;
+        let mirror = principled(&scene.materials[0]);
+        let normal = ((mirror.ior - 1.0) / (mirror.ior + 1.0)).powi(2);
+        let reflected = mirror.specular_color.0.map(|c| normal * c);
+        for (got, wanted) in reflected.into_iter().zip(expected) {
+            assert!((got - wanted).abs() < 1e-6, "{extension}: {reflected:?}");
+        }
+    }
+}
+
+/// A smooth body may have any index; a rough one is moved to where it is known, and that is told.
+#[test]
+fn only_rough_glass_is_kept_from_high_indices() {
+    let mut builder = Builder::triangle();
+    builder.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    for (roughness, expected) in [(0.0, 3.0), (0.5, 2.5)] {
+        builder.json["materials"] = json!([{
+            "name": "gem",
+            "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": roughness},
+            "extensions": {
+                "KHR_materials_ior": {"ior": 3},
+                "KHR_materials_transmission": {"transmissionFactor": 1},
+                "KHR_materials_volume": {"thicknessFactor": 1},
+            },
+        }]);
+        let loaded = sound(&builder);
+        assert_eq!(principled(&loaded.scene.materials[0]).ior, expected);
+        let told =
+            loaded.notes.iter().any(|note| note.contains("\"gem\": glass that is not smooth"));
+        assert_eq!(told, roughness > 0.0, "{:?}", loaded.notes);
+    }
+}
+
 /// Lights and cameras stand where their nodes do; where there are none, a sky and an eye do.
 #[test]
 fn lights_and_cameras_stand_where_nodes_do() {

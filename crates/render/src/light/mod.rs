@@ -151,7 +151,7 @@ impl Light {
 
 /// The narrowest cone of a spot, in radians: 0.01°, a metre wide after 3 km. In a narrower one the
 /// angle to its axis would drown in rounding.
-const MIN_CONE: f32 = 1.7e-4;
+pub const MIN_CONE: f32 = 1.7e-4;
 
 /// A direction of any length but 0 at length 1; the squares of its parts may overflow or vanish.
 fn unit(direction: Vec3) -> Option<Vec3> {

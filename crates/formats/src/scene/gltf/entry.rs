@@ -196,7 +196,7 @@ impl<'j> Entry<'_, 'j> {
         match *self.json {
             Json::Number(number) if (number as f32).is_finite() => Ok(number as f32),
             Json::Number(number) => {
-                Err(self.wrong(format_args!("is {number}, too large for single precision")))
+                Err(self.wrong(format_args!("is {number:e}, too large for single precision")))
             }
             _ => Err(self.ill_typed("a number")),
         }

@@ -10,6 +10,8 @@
 
 use super::entry::{Entry, Result};
 use super::texture::{TextureRef, texture_ref};
+use rutilant::material::{MAX_DISPERSION, MAX_FILM_NM, MAX_IOR, MAX_SPECULAR_COLOR};
+use rutilant::scene::MOST_LIGHT;
 
 /// How alpha counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -214,6 +216,8 @@ pub struct SpecularGlossiness {
 
 const UNIT: [f32; 2] = [0.0, 1.0];
 const POSITIVE: [f32; 2] = [0.0, f32::MAX];
+const LIGHT: [f32; 2] = [0.0, MOST_LIGHT];
+const FILM: [f32; 2] = [0.0, MAX_FILM_NM];
 
 /// A material of a document with so many textures.
 pub(super) fn material(entry: &Entry<'_, '_>, textures: usize) -> Result<Material> {
@@ -235,7 +239,7 @@ pub(super) fn material(entry: &Entry<'_, '_>, textures: usize) -> Result<Materia
         occlusion_texture: texture(entry, "occlusionTexture")?,
         occlusion_strength: scale(entry, "occlusionTexture", "strength", UNIT)?,
         // More than 1 is against the letter, but was written before strengths existed.
-        emissive: entry.factors("emissiveFactor", [0.0; 3], POSITIVE)?,
+        emissive: entry.factors("emissiveFactor", [0.0; 3], LIGHT)?,
         emissive_texture: texture(entry, "emissiveTexture")?,
         emissive_strength: 1.0,
         alpha: alpha(entry)?,
@@ -266,17 +270,17 @@ pub(super) fn material(entry: &Entry<'_, '_>, textures: usize) -> Result<Materia
         material.metallic_roughness_texture = texture(&core, "metallicRoughnessTexture")?;
     }
     if let Some(more) = entry.extension("KHR_materials_emissive_strength")? {
-        material.emissive_strength = more.factor("emissiveStrength", 1.0, POSITIVE)?;
+        material.emissive_strength = more.factor("emissiveStrength", 1.0, LIGHT)?;
     }
     if let Some(more) = entry.extension("KHR_materials_ior")? {
         let ior = more.number_or("ior", 1.5)?;
-        material.ior = if ior == 0.0 { 0.0 } else { more.factor("ior", 1.5, [1.0, f32::MAX])? };
+        material.ior = if ior == 0.0 { 0.0 } else { more.factor("ior", 1.5, [1.0, MAX_IOR])? };
     }
     if let Some(more) = entry.extension("KHR_materials_specular")? {
         material.specular = Specular {
             strength: more.factor("specularFactor", 1.0, UNIT)?,
             strength_texture: texture(&more, "specularTexture")?,
-            color: more.factors("specularColorFactor", [1.0; 3], POSITIVE)?,
+            color: more.factors("specularColorFactor", [1.0; 3], [0.0, MAX_SPECULAR_COLOR])?,
             color_texture: texture(&more, "specularColorTexture")?,
         };
     }
@@ -304,7 +308,7 @@ pub(super) fn material(entry: &Entry<'_, '_>, textures: usize) -> Result<Materia
         });
     }
     if let Some(more) = entry.extension("KHR_materials_dispersion")? {
-        material.dispersion = more.factor("dispersion", 0.0, POSITIVE)?;
+        material.dispersion = more.factor("dispersion", 0.0, [0.0, MAX_DISPERSION])?;
     }
     if let Some(more) = entry.extension("KHR_materials_clearcoat")? {
         material.clearcoat = Some(Clearcoat {
@@ -335,9 +339,9 @@ pub(super) fn material(entry: &Entry<'_, '_>, textures: usize) -> Result<Materia
         material.iridescence = Some(Iridescence {
             factor: more.factor("iridescenceFactor", 0.0, UNIT)?,
             texture: texture(&more, "iridescenceTexture")?,
-            ior: more.factor("iridescenceIor", 1.3, [1.0, f32::MAX])?,
-            thickness_minimum_nm: more.factor("iridescenceThicknessMinimum", 100.0, POSITIVE)?,
-            thickness_maximum_nm: more.factor("iridescenceThicknessMaximum", 400.0, POSITIVE)?,
+            ior: more.factor("iridescenceIor", 1.3, [1.0, MAX_IOR])?,
+            thickness_minimum_nm: more.factor("iridescenceThicknessMinimum", 100.0, FILM)?,
+            thickness_maximum_nm: more.factor("iridescenceThicknessMaximum", 400.0, FILM)?,
             thickness_texture: texture(&more, "iridescenceThicknessTexture")?,
         });
     }

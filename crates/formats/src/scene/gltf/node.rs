@@ -13,6 +13,8 @@ use super::accessor::{Accessors, Whole};
 use super::entry::{Entry, Result};
 use super::mesh::{self, Mesh};
 use crate::scene::affine::Affine;
+use rutilant::light::MIN_CONE;
+use rutilant::scene::MOST_LIGHT;
 use rutilant_geom::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -445,14 +447,10 @@ pub(super) fn lights(root: &Entry<'_, '_>) -> Result<Vec<Light>> {
             "spot" => match entry.get("spot")? {
                 None => LightKind::Spot { inner: 0.0, outer: FRAC_PI_4 },
                 Some(spot) => {
-                    let outer = spot.factor("outerConeAngle", FRAC_PI_4, [0.0, FRAC_PI_2])?;
-                    let inner = spot.number_or("innerConeAngle", 0.0)?;
-                    if !(0.0..outer).contains(&inner) {
-                        return Err(spot.wrong(format_args!(
-                            "has an innerConeAngle of {inner}, which must be at least 0 and less \
-                             than the outerConeAngle of {outer}"
-                        )));
-                    }
+                    let outer = spot.factor("outerConeAngle", FRAC_PI_4, [MIN_CONE, FRAC_PI_2])?;
+                    // As large as the outer one it may not be by the letter, but is where Blender's
+                    // exporter writes a hard edge.
+                    let inner = spot.factor("innerConeAngle", 0.0, [0.0, outer])?;
                     LightKind::Spot { inner, outer }
                 }
             },
@@ -467,8 +465,8 @@ pub(super) fn lights(root: &Entry<'_, '_>) -> Result<Vec<Light>> {
         Ok(Light {
             name: entry.name()?,
             kind,
-            color: entry.factors("color", [1.0; 3], [0.0, f32::MAX])?,
-            intensity: entry.factor("intensity", 1.0, [0.0, f32::MAX])?,
+            color: entry.factors("color", [1.0; 3], [0.0, MOST_LIGHT])?,
+            intensity: entry.factor("intensity", 1.0, [0.0, MOST_LIGHT])?,
             range: range.unwrap_or(f32::INFINITY),
         })
     })

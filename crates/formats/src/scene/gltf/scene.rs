@@ -23,15 +23,16 @@ use crate::scene::framing::seen_whole;
 use crate::scene::loaded::{LoadedScene, NOTHING_MOVES, camera_named};
 use crate::scene::origins::Origins;
 use crate::scene::pictures::{self, Pictures, Wanted};
+use crate::scene::spectrum::normal_reflectance;
 use crate::shown::shown;
 use rutilant::color::Rgb;
 use rutilant::light::{Environment, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Bumps, Emission, EmittedLight, MAX_DISPERSION, MAX_FILM_NM, MAX_IOR,
-    MAX_SPECULAR_COLOR, MOST_ROUGH_RATIO, Material, MaterialKind, NormalMap, Opacity, OpacityMode,
-    Principled, PrincipledTextures, Sides, most_rough_dispersion,
+    Absorption, Bumps, Emission, EmittedLight, MAX_IOR, MAX_SPECULAR_COLOR, MOST_ROUGH_RATIO,
+    Material, MaterialKind, NormalMap, Opacity, OpacityMode, Principled, PrincipledTextures, Sides,
+    most_rough_dispersion,
 };
-use rutilant::scene::{BitmapId, MaterialId, MeshId, Scene, TextureId};
+use rutilant::scene::{BitmapId, MOST_LIGHT, MaterialId, MeshId, Scene, TextureId};
 use rutilant::settings::Settings;
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::texture::{
@@ -232,7 +233,7 @@ impl<'d> Maker<'d> {
 
     fn add_light(&mut self, number: usize, world: &Transform) {
         let light = &self.document.lights[number];
-        let rgb = Rgb(light.color.map(|c| c * light.intensity));
+        let rgb = Rgb(light.color.map(|c| (c * light.intensity).min(MOST_LIGHT)));
         let position = world.translation();
         let direction = world.vector(Vec3::NEG_Z).normalize_or(Vec3::NEG_Z);
         self.scene.lights.push(match light.kind {
@@ -254,7 +255,7 @@ impl<'d> Maker<'d> {
         let material = match number {
             Some(i) => self.made(&self.document.materials[i], vertex_colors),
             None => {
-                // White, rough metal, by the specification; nobody means that.
+                // White, rough metal, by the specification; viewers and authors mean what is grey.
                 let textures = PrincipledTextures { vertex_colors, ..Default::default() };
                 let kind = Principled { roughness: 1.0, textures, ..Principled::default() };
                 Material { sides: Sides::Front, ..Material::from(kind) }
@@ -298,8 +299,7 @@ impl<'d> Maker<'d> {
             };
         }
         let strength = written.emissive_strength;
-        let radiance =
-            Rgb(written.emissive.map(|e| (e * strength).min(rutilant::scene::MOST_LIGHT)));
+        let radiance = Rgb(written.emissive.map(|e| (e * strength).min(MOST_LIGHT)));
         let emission = (radiance != Rgb::BLACK).then(|| Emission {
             light: EmittedLight::Radiance(radiance),
             texture: self.color(written.emissive_texture.as_ref()),
@@ -320,10 +320,10 @@ impl<'d> Maker<'d> {
         Material { emission, opacity, normal_map, sides, ..Material::new(kind).named(name) }
     }
 
-    /// Tells what of a material is not shown.
-    fn leave_out(&mut self, material: &Written, what: &str) {
+    /// Tells what of a material is shown otherwise than it is written.
+    fn tell(&mut self, material: &Written, what: &str) {
         let (file, name) = (self.path.display(), shown(&material.name));
-        self.notes.push(format!("{file}: material \"{name}\": {what} is left out"));
+        self.notes.push(format!("{file}: material \"{name}\": {what}"));
     }
 
     fn principled(
@@ -343,9 +343,13 @@ impl<'d> Maker<'d> {
             specular_color: self.color(written.specular.color_texture.as_ref()),
             ..PrincipledTextures::default()
         };
-        // An index of 0 stands for one that reflects everything but for the specular colour.
-        let ior = if written.ior == 0.0 { MAX_IOR } else { written.ior.clamp(1.0, MAX_IOR) };
-        let specular_color = Rgb(written.specular.color.map(|c| c.min(MAX_SPECULAR_COLOR)));
+        // An index of 0 stands for one so large that everything is reflected, but for the specular
+        // colour: this makes up for what the largest one lets through.
+        let endless = written.ior == 0.0;
+        let ior = if endless { MAX_IOR } else { written.ior };
+        let reflected = if endless { normal_reflectance(MAX_IOR, 0.0) } else { 1.0 };
+        let specular_color =
+            Rgb(written.specular.color.map(|c| (c / reflected).min(MAX_SPECULAR_COLOR)));
         let mut made = Principled {
             base_color,
             metallic: written.metallic,
@@ -365,7 +369,7 @@ impl<'d> Maker<'d> {
                 made.roughness = 1.0;
                 made.textures.roughness = self.scalar(Some(&texture), Channel::InverseAlpha);
             } else {
-                self.leave_out(written, "the gloss in its specularGlossinessTexture");
+                self.tell(written, "the gloss in its specularGlossinessTexture is left out");
             }
         }
         if let Some(transmission) = &written.transmission {
@@ -398,10 +402,9 @@ impl<'d> Maker<'d> {
                 self.scalar(sheen.roughness_texture.as_ref(), Channel::Alpha);
         }
         if let Some(film) = &written.iridescence {
-            (made.iridescence, made.iridescence_ior) = (film.factor, film.ior.clamp(1.0, MAX_IOR));
-            made.iridescence_thickness_nm = film.thickness_maximum_nm.clamp(0.0, MAX_FILM_NM);
-            made.iridescence_thickness_minimum_nm =
-                film.thickness_minimum_nm.clamp(0.0, MAX_FILM_NM);
+            (made.iridescence, made.iridescence_ior) = (film.factor, film.ior);
+            made.iridescence_thickness_nm = film.thickness_maximum_nm;
+            made.iridescence_thickness_minimum_nm = film.thickness_minimum_nm;
             made.textures.iridescence = self.scalar(film.texture.as_ref(), Channel::Red);
             made.textures.iridescence_thickness_nm =
                 self.scalar(film.thickness_texture.as_ref(), Channel::Green);
@@ -422,11 +425,22 @@ impl<'d> Maker<'d> {
                 texture.map(|texture| self.texture(texture, Encoding::Linear));
         }
         if made.has_inside() {
-            made.ior = made.ior.min(MOST_ROUGH_RATIO);
-            // Violet light, which is bent most, must get out of rough glass as well.
-            let rough = made.roughness > 0.0 || made.anisotropy > 0.0;
-            let most = if rough { most_rough_dispersion(made.ior) } else { MAX_DISPERSION };
-            made.dispersion = written.dispersion.min(most);
+            made.dispersion = written.dispersion;
+            if made.roughness > 0.0 || made.anisotropy > 0.0 {
+                if ior > MOST_ROUGH_RATIO {
+                    made.ior = MOST_ROUGH_RATIO;
+                    let most = format!(
+                        "glass that is not smooth has an ior of {MOST_ROUGH_RATIO} at most"
+                    );
+                    self.tell(written, &most);
+                }
+                // Violet light, which is bent most, must get out of rough glass as well.
+                let most = most_rough_dispersion(made.ior);
+                if written.dispersion > most {
+                    made.dispersion = most;
+                    self.tell(written, &format!("as rough glass it has a dispersion of {most}"));
+                }
+            }
         }
         made
     }

@@ -12,7 +12,6 @@ use super::accessor::Accessors;
 use super::entry::{Entry, Result};
 use super::store::unsupported;
 use super::uri::{self, Meant};
-use crate::shown::shown;
 use rutilant_geom::{Vec2, real};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -290,27 +289,4 @@ pub(super) fn numbered(name: &str, stem: &str) -> Option<u32> {
     let digits = name.strip_prefix(stem)?;
     let is_plain = digits == "0" || digits.bytes().next().is_some_and(|b| b != b'0');
     (is_plain && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok())?
-}
-
-/// The media type, for messages.
-impl std::fmt::Display for Encoding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Png => "image/png",
-            Self::Jpeg => "image/jpeg",
-            Self::WebP => "image/webp",
-        })
-    }
-}
-
-/// What to call an image in a message: its name, its file, or nothing.
-impl Image {
-    /// A name for messages, fit for one; empty where it has none.
-    pub fn shown(&self) -> String {
-        match &self.bytes {
-            _ if !self.name.is_empty() => shown(&self.name),
-            ImageBytes::File(name) => shown(name),
-            ImageBytes::Here(_) => String::new(),
-        }
-    }
 }

@@ -76,7 +76,7 @@ impl Item {
     fn direction(&self) -> Vec3 {
         if self.cos_normals < 0.0 {
             Vec3::ZERO
-        } else if self.two_sided && self.axis.cmplt(Vec3::ZERO).all() {
+        } else if self.two_sided && self.axis[self.axis.abs().max_position()] < 0.0 {
             -self.axis
         } else {
             self.axis
