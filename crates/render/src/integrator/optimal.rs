@@ -49,9 +49,10 @@ impl Integrator for Optimal<'_> {
         ray: Ray,
         sampler: &S,
         (view, look): (&View, bool),
+        groups: &mut [Spectrum],
         rays: &mut u64,
     ) -> Watched {
-        let mut both = (FirstSurface::new(), Witness::new(scene, view, look));
+        let mut both = (FirstSurface::new(), Witness::new(scene, view, look, groups));
         let radiance = self.0.trace(scene, ray, sampler, rays, &mut both);
         both.1.told(radiance, both.0.value)
     }

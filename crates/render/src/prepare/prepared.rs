@@ -9,12 +9,13 @@ use crate::camera::Camera;
 use crate::color::Spectrum;
 use crate::cryptomatte::Ids;
 use crate::dispersion::{BANDS, Bands};
+use crate::groups::Groups;
 use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter, LightTree};
 use crate::material::Opacity;
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
-use crate::settings::{IntegratorKind, Settings, Strategy};
+use crate::settings::{IntegratorKind, Layer, Layers, Settings, Strategy};
 use crate::texture::ColorInput;
 use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
@@ -54,6 +55,8 @@ pub struct Prepared {
     /// Those with a priority, the strongest first.
     pub(super) ranked_media: Arc<[PreparedMedium]>,
     pub(super) emitters: Arc<[Emitter]>,
+    /// The light groups that they are of.
+    pub(super) groups: Groups,
     /// The tree of those within the scene, once it is asked for.
     pub(super) light_tree: Arc<OnceLock<Option<Arc<LightTree>>>>,
     /// The emitter that is the sky.
@@ -560,6 +563,17 @@ impl Prepared {
     /// Everything that shines.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// The light groups that they are of.
+    #[inline(always)]
+    pub(crate) fn groups(&self) -> &Groups {
+        &self.groups
+    }
+
+    /// How many light groups a picture with `layers` tells.
+    pub(crate) fn told_groups(&self, layers: Layers) -> usize {
+        if layers.has(Layer::Groups) { self.groups.names().len() } else { 0 }
     }
 
     /// The tree of all emitters within the scene, which is built when it is first asked for.
