@@ -31,7 +31,9 @@ pub(crate) fn check_groups(scene: &Scene) -> Result<(), SceneProblem> {
     match groups_of(scene).get(MOST_GROUPS) {
         Some((group, place)) => Err(place.problem(
             "group",
-            format!("the light group \"{group}\" is one too many: a scene has {MOST_GROUPS} at most"),
+            format!(
+                "the light group \"{group}\" is one too many: a scene has {MOST_GROUPS} at most"
+            ),
         )),
         None => Ok(()),
     }
@@ -52,7 +54,8 @@ impl Groups {
         if groups.is_empty() {
             return Self::default();
         }
-        let mut names: Vec<Arc<str>> = groups.iter().map(|(group, _)| group.name().into()).collect();
+        let mut names: Vec<Arc<str>> =
+            groups.iter().map(|(group, _)| group.name().into()).collect();
         if emitters.iter().any(Option::is_none) {
             names.push(LightGroup::REST.into());
         }

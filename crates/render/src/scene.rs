@@ -7,8 +7,8 @@ pub use crate::id::{BitmapId, ImageId, MaterialId, MeshId, TextureId};
 pub use crate::problem::{MOST_GROUPS, MOST_LIGHT, Note, Place, SceneProblem};
 
 use crate::camera::Camera;
-use crate::image::Image;
 use crate::groups::check_groups;
+use crate::image::Image;
 use crate::light::{Environment, Light};
 use crate::material::Material;
 use crate::shape::{Mesh, Object, Shape};

@@ -89,9 +89,8 @@ impl Session {
         let layers = settings.kept_layers();
         let groups = &scene.groups().names()[..scene.told_groups(layers)];
         check_room(&settings, groups.len())?;
-        let splats = |c: &Casting| {
-            Splats::new(window, settings.size, c.brightest, planned, groups.len())
-        };
+        let splats =
+            |c: &Casting| Splats::new(window, settings.size, c.brightest, planned, groups.len());
         let splats = casting.map(splats);
         let shared = Arc::new(Shared {
             film: Film::new(window, settings.learns(), splats, layers, groups),

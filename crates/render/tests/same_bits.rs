@@ -206,9 +206,11 @@ fn scene_of_everything() -> Scene {
     add(&mut scene, Shape::Mesh(octahedron), brushed, [-1.5, 0.3, 1.6]);
     let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
     add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
-    scene
-        .lights
-        .push(Light::Point { position: Vec3::new(0.0, 1.0, 2.0), intensity: Rgb::grey(2.0) });
+    scene.lights.push(Light::Point {
+        position: Vec3::new(0.0, 1.0, 2.0),
+        intensity: Rgb::grey(2.0),
+        group: None,
+    });
     scene
 }
 

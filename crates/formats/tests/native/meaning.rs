@@ -169,7 +169,7 @@ fn spots_have_cones() {
     let expected = |direction: [f32; 3], light, degrees: [f32; 2]| {
         let [inner, outer] = degrees.map(f32::to_radians);
         let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), direction.into());
-        Light::Spot { position, direction, light, inner, outer }
+        Light::Spot { position, direction, light, inner, outer, group: None }
     };
     assert_eq!(
         spot("look_at = [1, 0, 3]\nintensity = [1, 2, 3]"),

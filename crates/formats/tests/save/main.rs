@@ -181,8 +181,8 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
 
 fn light(random: &mut Random) -> Light {
     match random.below(3) {
-        0 => Light::Point { position: point(random), intensity: rgb(random) },
-        1 => Light::Directional { direction: point(random), irradiance: rgb(random) },
+        0 => Light::Point { position: point(random), intensity: rgb(random), group: None },
+        1 => Light::Directional { direction: point(random), irradiance: rgb(random), group: None },
         _ => Light::Spot {
             position: point(random),
             direction: point(random),
@@ -193,6 +193,7 @@ fn light(random: &mut Random) -> Light {
             },
             inner: (10.0 * random.unit()).to_radians(),
             outer: (20.0 + 20.0 * random.unit()).to_radians(),
+            group: None,
         },
     }
 }

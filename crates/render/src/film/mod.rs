@@ -338,8 +338,12 @@ impl Film {
         let parts: &[&str] = if self.layers.has(Layer::Light) { &PARTS } else { &[] };
         let mut channels: Vec<Channel> =
             COLORS.iter().chain(parts).map(|name| black(name)).collect();
-        let mut groups: Vec<Channel> =
-            self.groups.iter().flat_map(|name| group_channels(name)).map(|name| black(&name)).collect();
+        let mut groups: Vec<Channel> = self
+            .groups
+            .iter()
+            .flat_map(|name| group_channels(name))
+            .map(|name| black(&name))
+            .collect();
         let mut layers = Vec::<Channel>::new();
         for i in 0..self.tile_count() {
             let tile = self.tile(i);

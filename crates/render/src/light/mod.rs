@@ -93,9 +93,9 @@ impl Light {
     /// The group that its light is of.
     pub fn group(&self) -> Option<LightGroup> {
         match self {
-            Self::Point { group, .. } | Self::Directional { group, .. } | Self::Spot { group, .. } => {
-                *group
-            }
+            Self::Point { group, .. }
+            | Self::Directional { group, .. }
+            | Self::Spot { group, .. } => *group,
         }
     }
 
@@ -103,7 +103,9 @@ impl Light {
     #[must_use]
     pub fn in_group(mut self, of: LightGroup) -> Self {
         match &mut self {
-            Self::Point { group, .. } | Self::Directional { group, .. } | Self::Spot { group, .. } => {
+            Self::Point { group, .. }
+            | Self::Directional { group, .. }
+            | Self::Spot { group, .. } => {
                 *group = Some(of);
             }
         }
@@ -160,10 +162,12 @@ impl Light {
             Self::Point { position, intensity, group: _ } => {
                 Emitter::Point(PointEmitter { position, intensity: intensity.into() })
             }
-            Self::Directional { direction, irradiance, group: _ } => Emitter::Distant(DistantEmitter {
-                towards: -unit(direction).unwrap_or(Vec3::NEG_Y),
-                irradiance: irradiance.into(),
-            }),
+            Self::Directional { direction, irradiance, group: _ } => {
+                Emitter::Distant(DistantEmitter {
+                    towards: -unit(direction).unwrap_or(Vec3::NEG_Y),
+                    irradiance: irradiance.into(),
+                })
+            }
             Self::Spot { position, direction, light, inner, outer, group: _ } => {
                 let cones = [inner, outer];
                 let intensity = match light {

@@ -8,8 +8,8 @@ use crate::color::{Rgb, Spectrum};
 use crate::cryptomatte::Ids;
 use crate::groups::Groups;
 use crate::light::{
-    DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, LightGroup,
-    ParallelogramEmitter, SphereEmitter, TriangleEmitter,
+    DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, LightGroup, ParallelogramEmitter,
+    SphereEmitter, TriangleEmitter,
 };
 use crate::material::{Emission, EmittedLight, Material};
 use crate::medium::{Border, Media};

@@ -195,13 +195,28 @@ impl Prepared {
     pub fn notes_for(&self, settings: &Settings) -> Vec<Note> {
         let mut notes = self.notes_on_unmet(settings);
         notes.extend(self.note_on_crop(settings));
-        if settings.layers != settings.kept_layers() {
-            notes.push(
-                "the layer \"light\" is left out: only the integrator \"path\" knows parts of light, and \
-                 not with the heuristic \"optimal\""
-                    .to_owned()
-                    .into(),
-            );
+        let left_out = [Layer::Light, Layer::Groups].map(|layer| {
+            let is_there = settings.layers.has(layer) && !settings.kept_layers().has(layer);
+            is_there && (layer == Layer::Light || !self.groups.names().is_empty())
+        });
+        let layers = match left_out {
+            [false, false] => None,
+            [true, false] => Some("the layer \"light\" is"),
+            [false, true] => Some("the layer \"groups\" is"),
+            [true, true] => Some("the layers \"light\" and \"groups\" are"),
+        };
+        notes.extend(layers.map(|layers| {
+            format!(
+                "{layers} left out: only the integrator \"path\" knows parts of light, and not with the \
+                 heuristic \"optimal\""
+            )
+            .into()
+        }));
+        // Whoever asks for all layers asks for those that there are.
+        let asked = settings.layers.has(Layer::Groups) && settings.layers != Layers::all();
+        if asked && self.groups.names().is_empty() {
+            let what = "the layer \"groups\" is left out: no light of the scene has a group";
+            notes.push(what.to_owned().into());
         }
         notes
     }
