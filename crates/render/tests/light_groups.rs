@@ -4,15 +4,16 @@
 mod common;
 
 use common::{render, render_prepared};
-use rutilant::Prepared;
+use rutilant::bsdf::{Bsdf, Lambert, Lobe};
 use rutilant::camera::{Orthographic, Perspective};
-use rutilant::color::Rgb;
+use rutilant::color::{Rgb, Spectrum};
 use rutilant::film::Filter;
 use rutilant::geom::{BuildOptions, Simd, Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::{Environment, Light, LightGroup};
+use rutilant::light::{Environment, Light, LightGroup, SpotLight};
 use rutilant::material::{
-    Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Mirror,
+    CustomMaterial, Dielectric, Emission, EmittedLight, Material, MaterialKind, Matte, Mirror,
+    SurfacePoint,
 };
 use rutilant::scene::{MOST_GROUPS, Place, Scene};
 use rutilant::settings::{
@@ -20,6 +21,9 @@ use rutilant::settings::{
 };
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant::texture::{Checker, UvMapping};
+use rutilant::{Prepared, Session};
+use std::sync::Arc;
+use std::time::Duration;
 
 const GROUPS: [&str; 4] = ["key", "fill", "sky", "rest"];
 const SIDE: u32 = 20;
@@ -53,7 +57,7 @@ fn stage(strengths: [f32; 4]) -> Scene {
     };
     scene.lights.push(point);
     let (position, direction) = (Vec3::new(2.0, 3.0, 1.0), Vec3::new(-2.0, -3.0, -1.0));
-    let light = rutilant::light::SpotLight::Intensity(times(Rgb::grey(9.0), fill));
+    let light = SpotLight::Intensity(times(Rgb::grey(9.0), fill));
     let spot = Light::Spot { position, direction, light, inner: 0.2, outer: 0.4, group: None };
     scene.lights.push(spot.in_group(group("fill")));
 
@@ -120,7 +124,8 @@ fn relit(image: &Image, strengths: [f32; 4], c: &str) -> Vec<f64> {
 fn off(found: &[f64], expected: &[f32]) -> f64 {
     let brightest = f64::from(expected.iter().copied().fold(0.0, f32::max));
     let apart = found.iter().zip(expected).map(|(a, b)| (a - f64::from(*b)).abs());
-    apart.fold(0.0, f64::max) / brightest
+    // What is no number is apart from everything.
+    apart.fold(0.0, |most, d| if d <= most { most } else { d }) / brightest
 }
 
 /// The groups of every pixel add up to its light, up to rounding in single precision: whichever way
@@ -232,6 +237,37 @@ fn a_group_is_what_its_lamps_bring_alone() {
                 let z = (a - b) / (a_error + b_error).sqrt();
                 assert!(a > 0.0 && z.abs() < 6.0, "{name}.{c}, quarter {q}: {a} and {b}, z = {z}");
             }
+        }
+    }
+}
+
+/// A floor that is no number in some places.
+#[derive(Debug)]
+struct Broken;
+
+impl CustomMaterial for Broken {
+    fn bsdf(&self, point: &SurfacePoint) -> Bsdf {
+        let broken = (point.position.x * 40.0).floor() % 4.0 == 0.0;
+        let albedo = Spectrum::splat(if broken { f32::NAN } else { 0.5 });
+        Lobe::Lambert(Lambert { albedo }).into()
+    }
+}
+
+/// A sample that is dropped is dropped from its groups as well: they stay numbers, and still add up.
+#[test]
+fn dropped_samples_are_in_no_group() {
+    let mut scene = stage([1.0; 4]);
+    let broken: Arc<dyn CustomMaterial> = Arc::new(Broken);
+    scene.objects[0].material = scene.add_material(broken);
+    for simd in [Simd::Auto, Simd::Scalar] {
+        let prepared = Arc::new(Prepared::new(&scene).unwrap().with_simd(simd).unwrap());
+        let session = Session::start(prepared, settings(16), 2).unwrap();
+        while !session.wait(Duration::from_secs(3600)) {}
+        assert!(session.progress().dropped.count > 100);
+        let image = session.snapshot();
+        for c in ["R", "G", "B"] {
+            let apart = off(&relit(&image, [1.0; 4], c), image.channel(c).unwrap());
+            assert!(apart < 1e-6, "{simd:?} {c}: {apart}");
         }
     }
 }
@@ -356,8 +392,8 @@ fn groups_are_bounded() {
     let told = image.channels().iter().filter(|c| c.name.starts_with("Combined_lamp-"));
     assert_eq!(told.count(), 3 * MOST_GROUPS);
     let large = Settings { size: [4096, 4096], ..settings(1) };
-    let prepared = std::sync::Arc::new(Prepared::new(&scene).unwrap());
-    let problem = rutilant::Session::start(prepared, large, 1).unwrap_err();
+    let prepared = Arc::new(Prepared::new(&scene).unwrap());
+    let problem = Session::start(prepared, large, 1).unwrap_err();
     assert_eq!((problem.place, problem.key), (Place::Settings, "layers"));
     assert!(problem.what.contains("at most 8388608 are"), "{}", problem.what);
 

@@ -97,7 +97,8 @@ fn paths_together_are_those_alone() {
     let pixels: Vec<[f32; 3]> =
         (0..32).map(|i| if i == 11 { [40.0, 30.0, 20.0] } else { [0.2, 0.3, 0.5] }).collect();
     let sky = sunny.add_image(Image::from_rgb(8, 4, &pixels).unwrap());
-    sunny.environment = Some(Environment::image(sky));
+    let map = Environment::image(sky).in_group(LightGroup::new("sky").unwrap());
+    sunny.environment = Some(map);
     for scene in [even, sunny] {
         assert_together_as_alone(&scene);
     }
