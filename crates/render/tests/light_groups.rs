@@ -190,12 +190,10 @@ fn dimmed_lamps_are_dimmed_groups() {
     }
 }
 
-/// Each group is what its lamps bring when there are no others at all, in the mean over quarters of the
-/// picture: with lamps chosen by what they bring, and caustics found from both sides, so that paths are
-/// not the same. Of 16 renderings on each side a difference of six standard errors comes by chance in
-/// one of 700 000; there are 48 of them.
-#[test]
-fn a_group_is_what_its_lamps_bring_alone() {
+/// Asserts that each group of a scene is what its lamps bring when there are no others at all, in the
+/// mean over quarters of the picture. Of 16 renderings on each side a difference of six standard errors
+/// comes by chance in one of 700 000.
+fn assert_each_as_alone(whole: &Scene, groups: &[(&str, Scene)], usual: &Settings) {
     const RUNS: u64 = 16;
     let quarters = |light: &[f32]| {
         let mut sums = [0.0; 4];
@@ -211,22 +209,15 @@ fn a_group_is_what_its_lamps_bring_alone() {
         let spread = runs.iter().map(|run| (run[q] - mean) * (run[q] - mean)).sum::<f64>();
         (mean, spread / (n * (n - 1.0)))
     };
-    let whole = stage([1.0; 4]);
-    let whole: Vec<Image> =
-        (0..RUNS).map(|seed| render(&whole, Settings { seed, ..settings(8) })).collect();
-    for (number, name) in GROUPS.into_iter().enumerate() {
-        let mut strengths = [0.0; 4];
-        strengths[number] = 1.0;
-        let mut alone = stage(strengths);
-        if name != "sky" {
-            alone.environment = None;
-        }
-        if name != "fill" {
-            alone.lights.clear();
-        }
-        let settings = |seed| Settings { seed, layers: Layers::NONE, ..settings(8) };
-        let alone: Vec<Image> =
-            (100..100 + RUNS).map(|seed| render(&alone, settings(seed))).collect();
+    let shown = |scene: &Scene, first: u64| -> Vec<Image> {
+        let prepared = Arc::new(Prepared::new(scene).unwrap());
+        let seeds = first..first + RUNS;
+        let settings = |seed| Settings { seed, ..usual.clone() };
+        seeds.map(|seed| render_prepared(Arc::clone(&prepared), settings(seed))).collect()
+    };
+    let whole = shown(whole, 0);
+    for (name, alone) in groups {
+        let alone = shown(alone, 100);
         for c in ["R", "G", "B"] {
             let told: Vec<_> =
                 whole.iter().map(|image| quarters(channel(image, name, c))).collect();
@@ -239,6 +230,62 @@ fn a_group_is_what_its_lamps_bring_alone() {
             }
         }
     }
+}
+
+/// With lamps chosen by what they bring, paths are not those of a scene with fewer lamps; means are.
+#[test]
+fn a_group_is_what_its_lamps_bring_alone() {
+    let alone = GROUPS.map(|name| {
+        let mut alone = stage(GROUPS.map(|other| if other == name { 1.0 } else { 0.0 }));
+        if name != "sky" {
+            alone.environment = None;
+        }
+        if name != "fill" {
+            alone.lights.clear();
+        }
+        (name, alone)
+    });
+    assert_each_as_alone(&stage([1.0; 4]), &alone, &settings(8));
+}
+
+/// The same of light that a glass ball throws on the floor, from small lamps and from a small sun in the
+/// sky, so that nearly all of it is found by light paths. Light of those in the group of another lamp
+/// shows here.
+#[test]
+fn caustics_are_of_the_lamps_that_throw_them() {
+    let scene = |on: [bool; 3]| {
+        let eye = Vec3::new(0.0, 4.0, 0.01);
+        let mut scene = Scene::new(Perspective::look_at(eye, Vec3::ZERO, 0.7).unwrap());
+        let floor = scene.add_material(Matte::new(Rgb::grey(0.8)));
+        let glass = scene.add_material(Dielectric::new(1.5));
+        let board = Shape::Box { size: Vec3::new(9.0, 0.1, 9.0) };
+        let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));
+        scene.objects.push(Object::new(board, floor).transformed(&at(0.0, -0.6, 0.0)));
+        let ball = Object::new(Shape::Sphere { radius: 0.4 }, glass);
+        scene.objects.push(ball.transformed(&at(0.0, 0.0, 0.0)));
+        for (on, name, x, radiance) in [
+            (on[0], "left", -1.5, [900.0, 300.0, 90.0]),
+            (on[1], "right", 1.5, [90.0, 300.0, 900.0]),
+        ] {
+            let lamp = Emission::radiance(Rgb(radiance)).in_group(group(name));
+            let lamp = scene.add_material(lamp);
+            let bulb = Object::new(Shape::Sphere { radius: 0.03 }, lamp);
+            if on {
+                scene.objects.push(bulb.transformed(&at(x, 1.0, 0.3)));
+            }
+        }
+        let pixels: Vec<[f32; 3]> =
+            (0..64 * 32).map(|i| if i == 64 * 5 + 20 { [300.0; 3] } else { [0.1; 3] }).collect();
+        let map = scene.add_image(Image::from_rgb(64, 32, &pixels).unwrap());
+        scene.environment = on[2].then(|| Environment::image(map).in_group(group("sky")));
+        scene
+    };
+    let alone = [
+        ("left", scene([true, false, false])),
+        ("right", scene([false, true, false])),
+        ("sky", scene([false, false, true])),
+    ];
+    assert_each_as_alone(&scene([true; 3]), &alone, &settings(16));
 }
 
 /// A floor that is no number in some places.
