@@ -73,14 +73,23 @@ def main(path: str) -> int:
             expect(pixels.dtype == FLOAT, f"{name} is no FLOAT")
         expect(np.isfinite(pixels).all(), f"{name} has values that are no numbers")
 
-    if "direct.R" in values:
+    def expect_sum(parts, what):
         for c in "RGB":
-            parts = sum(values[f"{p}.{c}"].astype(np.float64) for p in ("emission", "direct", "indirect"))
+            total = sum(values[f"{part}.{c}"].astype(np.float64) for part in parts)
             light = values[c].astype(np.float64)
             half = values[c].dtype == np.float16
-            off = np.abs(parts - light).max() / max(light.max(), 1e-9)
-            print(f"emission + direct + indirect - {c}: at most {off:.1e} of the brightest")
-            expect(off < (2e-3 if half else 1e-6), f"the parts of light do not add up to {c}")
+            off = np.abs(total - light).max() / max(light.max(), 1e-9)
+            print(f"{' + '.join(parts)} - {c}: at most {off:.1e} of the brightest")
+            expect(off < (2e-3 if half else 1e-6), f"{what} do not add up to {c}")
+
+    if "direct.R" in values:
+        expect_sum(("emission", "direct", "indirect"), "the parts of light")
+    lights = [layer for layer in groups if layer.startswith("Combined_")]
+    if lights:
+        expect_sum(lights, "the light groups")
+        for layer in lights:
+            types = {values[f"{layer}.{c}"].dtype for c in "RGB"}
+            expect(types == {values["R"].dtype}, f"{layer} is of another type than R")
     if "normal.X" in values:
         length = np.sqrt(sum(values[f"normal.{c}"].astype(np.float64) ** 2 for c in "XYZ"))
         print(f"normals: at most {length.max():.4f} long")

@@ -326,6 +326,7 @@ fn exr_layers_have_the_types_they_need() {
         ("emission.R", HALF),
         ("direct.R", HALF),
         ("indirect.R", HALF),
+        ("Combined_12345678901234567890.R", HALF),
         ("depth.Z", FLOAT),
         ("position.X", FLOAT),
         ("uv.U", FLOAT),

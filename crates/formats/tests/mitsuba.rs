@@ -381,10 +381,10 @@ fn lights_shine_as_they_should() {
     ))
     .scene
     .lights;
-    let point = Light::Point { position: Vec3::X, intensity: Rgb::new(1.0, 2.0, 3.0) };
+    let point = Light::Point { position: Vec3::X, intensity: Rgb::new(1.0, 2.0, 3.0), group: None };
     assert_eq!(lights[0], point);
     match lights[1] {
-        Light::Spot { position, direction, light, inner, outer } => {
+        Light::Spot { position, direction, light, inner, outer, group: None } => {
             assert_eq!(position, Vec3::new(0.0, 3.0, 0.0));
             assert!((direction - Vec3::NEG_Y).length() < 1e-6);
             assert_eq!(light, SpotLight::Intensity(Rgb::WHITE));
@@ -393,7 +393,7 @@ fn lights_shine_as_they_should() {
         other => panic!("{other:?}"),
     }
     match lights[2] {
-        Light::Directional { direction, irradiance } => {
+        Light::Directional { direction, irradiance, group: None } => {
             assert!((direction - Vec3::NEG_Y).length() < 1e-6);
             // Light that is the same at every wavelength, as the CIE's observer sees it, in sRGB.
             for (is, wanted) in irradiance.0.into_iter().zip([6.024, 4.741, 4.545]) {

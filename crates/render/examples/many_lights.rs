@@ -114,9 +114,13 @@ fn city(lamps: u32) -> Scene {
                 let light = SpotLight::Power(tint);
                 let direction = Vec3::new(random.between(-1.0, 1.0), -1.0, 0.3);
                 scene.lights.push(if i % 16 == 7 {
-                    Light::Point { position, intensity: Rgb(tint.0.map(|c| c / (4.0 * PI))) }
+                    Light::Point {
+                        position,
+                        intensity: Rgb(tint.0.map(|c| c / (4.0 * PI))),
+                        group: None,
+                    }
                 } else {
-                    Light::Spot { position, direction, light, inner: 0.4, outer: 0.7 }
+                    Light::Spot { position, direction, light, inner: 0.4, outer: 0.7, group: None }
                 });
             }
         }
@@ -125,7 +129,14 @@ fn city(lamps: u32) -> Scene {
         let (middle, size) = houses[(i as usize * 37 + houses.len() / 3) % houses.len()];
         let position = middle + Vec3::Y * (0.5 * size.y + 4.0);
         let (direction, light) = (Vec3::new(0.4, -1.0, 0.7), SpotLight::Power(Rgb::grey(4e3)));
-        scene.lights.push(Light::Spot { position, direction, light, inner: 0.2, outer: 0.5 });
+        scene.lights.push(Light::Spot {
+            position,
+            direction,
+            light,
+            inner: 0.2,
+            outer: 0.5,
+            group: None,
+        });
     }
     scene
 }

@@ -74,7 +74,8 @@ impl Rendering<'_> {
         let camera = self.scene.focused_camera(settings.size);
         let filter = FilterSampler::new(&settings.filter);
         let layers = settings.kept_layers();
-        let view = (layers != Layers::NONE).then(|| View::new(&self.scene.camera, layers));
+        let groups = self.scene.told_groups(layers);
+        let view = (layers != Layers::NONE).then(|| View::new(&self.scene.camera, layers, groups));
         let eye = Eye { camera: &camera, filter: &filter, view: view.as_ref() };
         match settings.integrator {
             IntegratorKind::Path => {
@@ -203,7 +204,8 @@ impl Rendering<'_> {
             for splat in bad {
                 self.film.drop_sample(splat.pixel, first);
             }
-            shown.add(block, until, paths, &splats);
+            let groups = self.scene.groups();
+            shown.add(block, until, paths, &splats, |emitter| groups.of(emitter));
             sample = until;
         }
         self.counters.rays.fetch_add(rays, Ordering::Relaxed);
@@ -332,6 +334,9 @@ fn tell(
             (found.emission.get(its.clone()), found.direct.get(its.clone()))
         {
             tile.add_parts(*pixel, [emission, direct], &weights[its.clone()]);
+        }
+        if found.groups.are_told() {
+            tile.add_groups(*pixel, found.groups.of(its.clone()), &weights[its.clone()]);
         }
         if let Some(objects) = found.objects.get(its) {
             tile.count(*pixel, objects, looked);

@@ -48,6 +48,7 @@ pub mod false_color;
 pub mod film;
 pub mod focus;
 mod follow;
+mod groups;
 mod id;
 pub mod image;
 mod integrator;

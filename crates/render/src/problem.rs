@@ -114,6 +114,8 @@ pub(crate) const NOT_NEGATIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
 /// The most light that a scene may ask for, whatever its unit. What is computed from it stays a
 /// finite number, its square among them, of which variances are made.
 pub const MOST_LIGHT: f32 = 1e18;
+/// The most light groups that a scene may have: each takes room in every pixel.
+pub const MOST_GROUPS: usize = 64;
 /// An amount of light.
 pub(crate) const LIGHT: RangeInclusive<f32> = 0.0..=MOST_LIGHT;
 /// More than zero.

@@ -4,9 +4,10 @@
 //! [`Scene::validate`] and made traceable by [`Prepared::new`](crate::Prepared::new).
 
 pub use crate::id::{BitmapId, ImageId, MaterialId, MeshId, TextureId};
-pub use crate::problem::{MOST_LIGHT, Note, Place, SceneProblem};
+pub use crate::problem::{MOST_GROUPS, MOST_LIGHT, Note, Place, SceneProblem};
 
 use crate::camera::Camera;
+use crate::groups::check_groups;
 use crate::image::Image;
 use crate::light::{Environment, Light};
 use crate::material::Material;
@@ -90,7 +91,7 @@ impl Scene {
     /// # Errors
     /// Numbers that are not finite or out of their range, ids that lead
     /// nowhere, meshes whose arrays do not fit together, mixes that contain
-    /// themselves.
+    /// themselves, more light groups than [`MOST_GROUPS`].
     pub fn validate(&self) -> Result<(), SceneProblem> {
         self.camera.validate()?;
         if let Some(environment) = &self.environment {
@@ -111,6 +112,7 @@ impl Scene {
         for (i, light) in self.lights.iter().enumerate() {
             light.validate(i)?;
         }
+        check_groups(self)?;
         self.check_size(BuildOptions::default().copies)
     }
 

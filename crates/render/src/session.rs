@@ -8,8 +8,8 @@
 use crate::cpu::{Counters, Rendering};
 use crate::film::{Dropped, Film, Splats};
 use crate::image::Image;
-use crate::prepare::Prepared;
-use crate::scene::SceneProblem;
+use crate::prepare::{Casting, Prepared};
+use crate::scene::{Place, SceneProblem};
 use crate::settings::Settings;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -74,7 +74,8 @@ impl Session {
     /// Starts rendering `scene` with this many threads (at least one).
     ///
     /// # Errors
-    /// What [`Settings::validate`] finds.
+    /// What [`Settings::validate`] finds, and more pixels than there is room for with the scene's light
+    /// groups.
     pub fn start(
         scene: Arc<Prepared>,
         settings: Settings,
@@ -85,9 +86,14 @@ impl Session {
         let window = settings.window();
         let casting = scene.casting().filter(|_| settings.traces_light());
         let planned = settings.planned_spp.unwrap_or(settings.spp);
-        let splats = casting.map(|c| Splats::new(window, settings.size, c.brightest, planned));
+        let layers = settings.kept_layers();
+        let groups = &scene.groups().names()[..scene.told_groups(layers)];
+        check_room(&settings, groups.len())?;
+        let splats =
+            |c: &Casting| Splats::new(window, settings.size, c.brightest, planned, groups.len());
+        let splats = casting.map(splats);
         let shared = Arc::new(Shared {
-            film: Film::new(window, settings.learns(), splats, settings.kept_layers()),
+            film: Film::new(window, settings.learns(), splats, layers, groups),
             state: Mutex::new(State {
                 target: settings.spp,
                 pass: 0,
@@ -234,6 +240,27 @@ impl Shared {
         state.pass = state.target.min(done + samples);
         Some(state.pass)
     }
+}
+
+/// The most sums of light groups that are kept at once, one for each group of each pixel: they take
+/// 13 GB, and twice as much where light paths find caustics.
+const MOST_GROUP_SUMS: u64 = 1 << 29;
+
+/// Whether there is room for so many groups of lights in each pixel.
+fn check_room(settings: &Settings, groups: usize) -> Result<(), SceneProblem> {
+    let window = settings.window();
+    let pixels = u64::from(window.width) * u64::from(window.height);
+    let most = MOST_GROUP_SUMS / (groups as u64).max(1);
+    if pixels <= most {
+        return Ok(());
+    }
+    Err(Place::Settings.problem(
+        "layers",
+        format!(
+            "{pixels} pixels are too many to render at once with {groups} light groups; at most {most} \
+             are, use crops"
+        ),
+    ))
 }
 
 /// Marks the session as ended when its thread ends, however that happens.

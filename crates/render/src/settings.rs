@@ -163,13 +163,13 @@ impl Settings {
             && self.heuristic == Heuristic::Optimal
     }
 
-    /// The layers that can be kept: parts of light are known to the path tracer alone, and not where
-    /// pixels learn to correct its samples.
+    /// The layers that can be kept: parts of light and its groups are known to the path tracer alone,
+    /// and not where pixels learn to correct its samples.
     pub(crate) fn kept_layers(&self) -> Layers {
         if self.integrator == IntegratorKind::Path && !self.learns() {
             self.layers
         } else {
-            self.layers.without(Layer::Light)
+            self.layers.without(Layer::Light).without(Layer::Groups)
         }
     }
 

@@ -31,7 +31,11 @@ fn brushed() -> Principled {
 fn sent(metal: Principled, textures: &[[f32; 3]], shape: &Looks, place: Transform) -> f64 {
     let camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 1e-4).unwrap();
     let mut scene = Scene::new(camera);
-    scene.lights.push(Light::Directional { direction: -LIGHT, irradiance: Rgb::WHITE });
+    scene.lights.push(Light::Directional {
+        direction: -LIGHT,
+        irradiance: Rgb::WHITE,
+        group: None,
+    });
     for texel in textures {
         let bitmap = Bitmap::new(1, 1, 3, Texels::Float(texel.to_vec())).unwrap();
         let bitmap = scene.add_bitmap(bitmap);

@@ -464,19 +464,32 @@ fn lights_without_surface_over_a_plane() {
         light: SpotLight::Power(Rgb::grey(24.0)),
         inner: 0.0,
         outer: std::f32::consts::PI,
+        group: None,
     };
     let lights = [
         // A smoothstep over the whole sphere is a half on average: 24 W are 24 / 2π W/sr ahead.
         (spot, 24.0 / (2.0 * PI) / 4.0),
-        (Light::Point { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::grey(8.0) }, 2.0),
         (
-            Light::Directional { direction: Vec3::new(3.0, -4.0, 0.0), irradiance: Rgb::grey(5.0) },
+            Light::Point {
+                position: Vec3::new(0.0, 2.0, 0.0),
+                intensity: Rgb::grey(8.0),
+                group: None,
+            },
+            2.0,
+        ),
+        (
+            Light::Directional {
+                direction: Vec3::new(3.0, -4.0, 0.0),
+                irradiance: Rgb::grey(5.0),
+                group: None,
+            },
             4.0,
         ),
         (
             Light::Directional {
                 direction: Vec3::new(3e-25, -4e-25, 0.0),
                 irradiance: Rgb::grey(5.0),
+                group: None,
             },
             4.0,
         ),
@@ -690,7 +703,7 @@ fn null_surfaces_change_no_bit() {
     scene
         .objects
         .push(Object::new(Shape::Rectangle { size: Vec2::splat(4.0) }, floor).transformed(&flat));
-    scene.lights.push(Light::Point { position: Vec3::Y, intensity: Rgb::WHITE });
+    scene.lights.push(Light::Point { position: Vec3::Y, intensity: Rgb::WHITE, group: None });
     let without = render(&scene, small(4)).hash();
     let nothing = scene.add_material(Material::new(MaterialKind::Null));
     for shape in [
@@ -737,7 +750,7 @@ fn flames_add_light_and_hide_nothing() {
             .transformed(&Transform::translate(Vec3::new(0.0, 0.0, -1.0))),
     );
     let position = Vec3::new(0.0, 0.0, 1.0);
-    shadow.lights.push(Light::Point { position, intensity: Rgb::grey(8.0) });
+    shadow.lights.push(Light::Point { position, intensity: Rgb::grey(8.0), group: None });
     flame(&mut shadow, 1e-9, 0.0, 0.0);
     for integrator in [IntegratorKind::Path, IntegratorKind::Direct] {
         let image = render(&shadow, Settings { integrator, ..small(64) });

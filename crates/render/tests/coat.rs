@@ -68,7 +68,11 @@ fn each_layer_has_its_own_normal() {
             let found = |layers: Principled| {
                 let layers = Principled { coat_normal_map, ..layers };
                 let mut scene = scene(Material { normal_map, ..layers.into() }, &[base, own], wo);
-                scene.lights.push(Light::Directional { direction: -LIGHT, irradiance: Rgb::WHITE });
+                scene.lights.push(Light::Directional {
+                    direction: -LIGHT,
+                    irradiance: Rgb::WHITE,
+                    group: None,
+                });
                 mean(&render(&scene, Settings { max_depth: Some(2), ..small(1) }), "G").0
             };
             let what = format!("{coat_normal} over {normal}");

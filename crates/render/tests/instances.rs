@@ -64,9 +64,11 @@ fn scene(custom: bool, ranked: bool) -> Scene {
     let camera = Perspective::look_at(Vec3::new(0.3, 1.1, 5.0), Vec3::ZERO, 0.8).unwrap();
     let mut scene = Scene::new(camera);
     scene.environment = Some(Environment::constant(Rgb::new(0.2, 0.3, 0.5)));
-    scene
-        .lights
-        .push(Light::Point { position: Vec3::new(0.0, 4.0, 2.0), intensity: Rgb::grey(9.0) });
+    scene.lights.push(Light::Point {
+        position: Vec3::new(0.0, 4.0, 2.0),
+        intensity: Rgb::grey(9.0),
+        group: None,
+    });
     let red = scene.add_material(Matte::new(Rgb::new(0.7, 0.2, 0.1)));
     let mut clear = Dielectric::new(1.5);
     clear.priority = ranked.then_some(1);

@@ -99,7 +99,7 @@ fn a_board_has_its_colours() {
     let board = scene.add_texture(Checker { first, second, mapping: UvMapping::default() });
     let matte = scene.add_material(Matte::new(board));
     scene.objects.push(Object::new(Shape::Rectangle { size: Vec2::splat(2.0) }, matte));
-    scene.lights.push(Light::Point { position: Vec3::Z, intensity: Rgb::grey(7.0) });
+    scene.lights.push(Light::Point { position: Vec3::Z, intensity: Rgb::grey(7.0), group: None });
     let side = 16;
     let image = render(&scene, settings([side, side]));
     for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {

@@ -358,6 +358,7 @@ fn irradiance_has_its_closed_form() {
         light: SpotLight::Intensity(Rgb::WHITE),
         inner,
         outer,
+        group: None,
     };
     // Turned so that the origin is where the cosine is the mean of those of 0.2 and 0.6.
     let lean = (0.5 * (0.2_f64.cos() + 0.6_f64.cos())).acos();
@@ -367,6 +368,7 @@ fn irradiance_has_its_closed_form() {
         light: SpotLight::Intensity(Rgb::WHITE),
         inner: 0.2,
         outer: 0.6,
+        group: None,
     };
     // A rectangle of sides 2a, 2b at distance 1, seen from below its centre: four quarters of the
     // textbook form factor.
@@ -390,7 +392,11 @@ fn irradiance_has_its_closed_form() {
         ),
         (
             "point",
-            point(Light::Point { position: Vec3::new(0.0, 0.0, 3.0), intensity: Rgb::WHITE }),
+            point(Light::Point {
+                position: Vec3::new(0.0, 0.0, 3.0),
+                intensity: Rgb::WHITE,
+                group: None,
+            }),
             1.0 / 9.0,
         ),
         (
@@ -398,6 +404,7 @@ fn irradiance_has_its_closed_form() {
             point(Light::Directional {
                 direction: Vec3::new(0.0, 3.0, -4.0),
                 irradiance: Rgb::WHITE,
+                group: None,
             }),
             0.8,
         ),
@@ -596,6 +603,7 @@ fn all_finite() -> Vec<(&'static str, Scene)> {
         light,
         inner: inner.to_radians(),
         outer: outer.to_radians(),
+        group: None,
     };
     let intensity = || SpotLight::Intensity(Rgb::new(1.0, 2.0, 3.0));
     let power = SpotLight::Power(Rgb::new(10.0, 20.0, 30.0));
@@ -609,7 +617,14 @@ fn all_finite() -> Vec<(&'static str, Scene)> {
     let size = Vec3::new(0.5, 1.0, 0.2);
     lights.extend([
         ("box", glowing(Shape::Box { size }, tilted, false)),
-        ("point", with(Light::Point { position: Vec3::Y, intensity: Rgb::new(1.0, 2.0, 3.0) })),
+        (
+            "point",
+            with(Light::Point {
+                position: Vec3::Y,
+                intensity: Rgb::new(1.0, 2.0, 3.0),
+                group: None,
+            }),
+        ),
         ("soft spot", with(spot(intensity(), 0.0, 45.0))),
         ("narrow spot", with(spot(power, 4.0, 10.0))),
         ("hard spot", with(spot(intensity(), 60.0, 60.0))),
@@ -656,7 +671,7 @@ fn spots_have_the_power_they_were_given() {
         let mut scene = empty();
         let light = SpotLight::Power(Rgb::new(60.0, 50.0, 40.0));
         let (position, direction) = (Vec3::ZERO, Vec3::Y);
-        scene.lights.push(Light::Spot { position, direction, light, inner, outer });
+        scene.lights.push(Light::Spot { position, direction, light, inner, outer, group: None });
         let power = Prepared::new(&scene).unwrap().emitters()[0].power(1.0);
         for (got, expected) in power.channels().into_iter().zip([60.0, 50.0, 40.0]) {
             assert!((got / expected - 1.0).abs() < 1e-5, "{inner} {outer}: {power:?}");
@@ -683,7 +698,7 @@ fn power_from_infinity_is_what_crosses_the_scene() {
     }
     let mut scene = empty();
     let direction = Vec3::new(1.0, 2.0, 3.0);
-    scene.lights.push(Light::Directional { direction, irradiance: Rgb::grey(5.0) });
+    scene.lights.push(Light::Directional { direction, irradiance: Rgb::grey(5.0), group: None });
     let power = Prepared::new(&scene).unwrap().emitters()[0].power(2.0).channels()[0];
     assert!((power / (5.0 * std::f32::consts::PI * 4.0) - 1.0).abs() < 1e-6, "{power}");
 }

@@ -48,13 +48,20 @@ fn lamps(count: u64, size: f32, decades: f32) -> Scene {
             3 => Shape::Sphere { radius: 0.03 * size },
             4 => Shape::Sphere { radius: 0.01 * size },
             5 => {
-                scene.lights.push(Light::Point { position, intensity: light });
+                scene.lights.push(Light::Point { position, intensity: light, group: None });
                 continue;
             }
             _ => {
                 let (inner, outer) = (0.9 * a, 1e-3 + 3.1 * a);
                 let light = SpotLight::Intensity(light);
-                scene.lights.push(Light::Spot { position, direction: axis, light, inner, outer });
+                scene.lights.push(Light::Spot {
+                    position,
+                    direction: axis,
+                    light,
+                    inner,
+                    outer,
+                    group: None,
+                });
                 continue;
             }
         };
@@ -184,7 +191,7 @@ fn every_lamp_can_be_chosen() {
         for i in 0..count {
             let position = Vec3::new(position(i), 0.0, 0.0);
             let intensity = Rgb::grey(if i == 7 { 1e-18 } else { 1e18 });
-            scene.lights.push(Light::Point { position, intensity });
+            scene.lights.push(Light::Point { position, intensity, group: None });
         }
         Prepared::new(&scene).unwrap()
     };
@@ -216,8 +223,12 @@ fn lights_at_infinity_are_chosen_as_often_as_all_lamps_together() {
     let mut scene = lamps(50, 1.0, 4.0);
     scene.environment = Some(Environment::constant(Rgb::WHITE));
     let irradiance = Rgb::grey(3.0);
-    scene.lights.push(Light::Directional { direction: Vec3::NEG_Y, irradiance });
-    scene.lights.push(Light::Directional { direction: Vec3::X, irradiance: Rgb::BLACK });
+    scene.lights.push(Light::Directional { direction: Vec3::NEG_Y, irradiance, group: None });
+    scene.lights.push(Light::Directional {
+        direction: Vec3::X,
+        irradiance: Rgb::BLACK,
+        group: None,
+    });
     let scene = Prepared::new(&scene).unwrap();
     let (emitters, selection) = (scene.emitters(), tree(scene.emitters()));
     let point = ShadingPoint::open(Vec3::new(0.1, 0.2, 0.3));
@@ -275,7 +286,11 @@ fn any_number_of_threads_builds_the_same_tree() {
     for i in 0..40_000 {
         let [x, y, z, bright, ..] = eight(53, i);
         let position = Vec3::new(x, y * y, z);
-        scene.lights.push(Light::Point { position, intensity: Rgb::grey(0.1 + bright) });
+        scene.lights.push(Light::Point {
+            position,
+            intensity: Rgb::grey(0.1 + bright),
+            group: None,
+        });
     }
     let scene = Prepared::new(&scene).unwrap();
     let built = |threads| {

@@ -278,7 +278,7 @@ fn darkness_is_announced() {
 fn lights_that_rays_never_meet_are_announced() {
     let mut scene = scene();
     let direction = Vec3::NEG_Y;
-    scene.lights.push(Light::Directional { direction, irradiance: Rgb::WHITE });
+    scene.lights.push(Light::Directional { direction, irradiance: Rgb::WHITE, group: None });
     let notes = |scene: &Scene, integrator, strategy| {
         let settings = Settings { integrator, strategy, ..Settings::default() };
         Prepared::new(scene).unwrap().notes_for(&settings)

@@ -7,7 +7,7 @@ use rutilant::color::Rgb;
 use rutilant::film::Filter;
 use rutilant::geom::{Simd, Transform, Vec2, Vec3};
 use rutilant::image::Image;
-use rutilant::light::{Environment, Light};
+use rutilant::light::{Environment, Light, LightGroup};
 use rutilant::material::{
     Absorption, Dielectric, Emission, Material, Matte, Medium, Mirror, Mix, Opacity, OpacityMode,
     Principled, Sides,
@@ -31,10 +31,11 @@ fn open_scene() -> Scene {
     let mut camera = Perspective::look_at(Vec3::new(0.0, 1.0, 4.0), Vec3::ZERO, 0.8).unwrap();
     camera.lens.aperture_radius = 0.05;
     let mut scene = Scene::new(camera);
-    scene.environment = Some(Environment::constant(Rgb::new(0.2, 0.3, 0.5)));
+    let [sky, key] = ["sky", "key"].map(|name| LightGroup::new(name).unwrap());
+    scene.environment = Some(Environment::constant(Rgb::new(0.2, 0.3, 0.5)).in_group(sky));
     let floor = scene.add_material(Matte::new(Rgb::new(0.7, 0.6, 0.5)));
     let glass = scene.add_material(Dielectric::new(1.5));
-    let lamp = scene.add_material(Emission::radiance(Rgb::grey(9.0)));
+    let lamp = scene.add_material(Emission::radiance(Rgb::grey(9.0)).in_group(key));
     let at = |x, y, z| Transform::translate(Vec3::new(x, y, z));
     let flat = at(0.0, -0.8, 0.0) * Transform::rotate(Vec3::X, -std::f32::consts::FRAC_PI_2);
     scene
@@ -96,7 +97,8 @@ fn paths_together_are_those_alone() {
     let pixels: Vec<[f32; 3]> =
         (0..32).map(|i| if i == 11 { [40.0, 30.0, 20.0] } else { [0.2, 0.3, 0.5] }).collect();
     let sky = sunny.add_image(Image::from_rgb(8, 4, &pixels).unwrap());
-    sunny.environment = Some(Environment::image(sky));
+    let map = Environment::image(sky).in_group(LightGroup::new("sky").unwrap());
+    sunny.environment = Some(map);
     for scene in [even, sunny] {
         assert_together_as_alone(&scene);
     }
@@ -206,9 +208,11 @@ fn scene_of_everything() -> Scene {
     add(&mut scene, Shape::Mesh(octahedron), brushed, [-1.5, 0.3, 1.6]);
     let panel = scene.add_material(Emission::radiance(Rgb::new(3.0, 5.0, 8.0)));
     add(&mut scene, Shape::Rectangle { size: Vec2::splat(0.7) }, panel, [0.0, 0.8, -1.0]);
-    scene
-        .lights
-        .push(Light::Point { position: Vec3::new(0.0, 1.0, 2.0), intensity: Rgb::grey(2.0) });
+    scene.lights.push(Light::Point {
+        position: Vec3::new(0.0, 1.0, 2.0),
+        intensity: Rgb::grey(2.0),
+        group: LightGroup::new("point").ok(),
+    });
     scene
 }
 
@@ -272,7 +276,8 @@ fn layers_leave_the_light_as_it_is() {
                 2,
             );
             let same = all.only(|name| one.channel(name).is_some());
-            let learns = heuristic == Heuristic::Optimal && layer == Layer::Light;
+            let of_light = layer == Layer::Light || layer == Layer::Groups;
+            let learns = heuristic == Heuristic::Optimal && of_light;
             assert_eq!(one.channels().len() == plain.channels().len(), learns, "{name}");
             assert_eq!(same.hash(), one.hash(), "{name}");
         }

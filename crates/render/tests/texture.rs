@@ -629,7 +629,7 @@ fn normal_maps_tilt_surfaces() {
         // From the right, at 30 degrees to the surface's own normal.
         let from = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
         let irradiance = Rgb::WHITE;
-        scene.lights.push(Light::Directional { direction: -from, irradiance });
+        scene.lights.push(Light::Directional { direction: -from, irradiance, group: None });
         let slope = if mirrored { -0.6 } else { 0.6 };
         let cosine = slope * from.x + 0.8 * from.z;
         let expected = f64::from(cosine) / std::f64::consts::PI;
@@ -664,7 +664,7 @@ fn normal_maps_follow_their_set() {
         scene.objects.push(Object::new(Shape::Mesh(mesh), bumpy));
         let from = Vec3::new(0.0, 0.5, 0.75_f32.sqrt());
         let irradiance = Rgb::WHITE;
-        scene.lights.push(Light::Directional { direction: -from, irradiance });
+        scene.lights.push(Light::Directional { direction: -from, irradiance, group: None });
         let expected = f64::from(up * from.y + 0.8 * from.z) / std::f64::consts::PI;
         let settings = Settings { size: [4, 4], filter: PIXEL, ..small(16) };
         let (value, _) = mean(&render(&scene, settings), "G");
@@ -708,7 +708,7 @@ fn heights_tilt_surfaces() {
         scene.objects.push(square.transformed(&Transform::scale(scale)));
         let from = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
         let irradiance = Rgb::WHITE;
-        scene.lights.push(Light::Directional { direction: -from, irradiance });
+        scene.lights.push(Light::Directional { direction: -from, irradiance, group: None });
         let slope = if flipped || scale.x < 0.0 { -0.5 } else { 0.5 } / size;
         let normal = Vec3::new(-slope, 0.0, 1.0).normalize();
         let expected = f64::from(normal.dot(from)) / std::f64::consts::PI;

@@ -110,7 +110,9 @@ impl LoadedScene {
                 Some(Environment::map(self.scene.add_image(picture), projection))
             }
         };
-        self.scene.environment = sky;
+        // The new sky's light goes where that of the old one went.
+        let group = self.scene.environment.and_then(|old| old.group);
+        self.scene.environment = sky.map(|sky| Environment { group, ..sky });
         self.lines.remove(&Place::Environment);
         self.scene.validate().map_err(|problem| {
             // All else was as it should be before.

@@ -13,6 +13,7 @@ mod files;
 mod parts;
 mod scenes;
 
+use rutilant::light::{Light, LightGroup};
 use rutilant::settings::Settings;
 use rutilant::{Prepared, Session};
 use rutilant_formats::{ConvertOptions, Converted, LoadedScene, ReadOptions, convert, read_scene};
@@ -41,6 +42,19 @@ fn hash(loaded: &LoadedScene) -> u64 {
     session.snapshot().hash()
 }
 
+/// The light groups of everything in a scene that may have one, by what has it.
+fn groups(loaded: &LoadedScene) -> [Vec<Option<LightGroup>>; 4] {
+    let scene = &loaded.scene;
+    let materials = scene.materials.iter().map(|m| m.emission.and_then(|emission| emission.group));
+    let objects = scene.objects.iter().map(|object| object.group);
+    [
+        materials.collect(),
+        objects.collect(),
+        scene.lights.iter().map(Light::group).collect(),
+        scene.environment.iter().map(|sky| sky.group).collect(),
+    ]
+}
+
 /// The same picture, and as much of everything.
 fn assert_same(was: &LoadedScene, is: &LoadedScene, what: &str) {
     let counts = |loaded: &LoadedScene| {
@@ -48,6 +62,7 @@ fn assert_same(was: &LoadedScene, is: &LoadedScene, what: &str) {
         [scene.objects.len(), scene.materials.len(), scene.lights.len(), loaded.cameras.len()]
     };
     assert_eq!(counts(is), counts(was), "{what}");
+    assert_eq!(groups(is), groups(was), "{what}");
     assert_eq!(is.settings, was.settings, "{what}");
     assert_eq!(is.display, was.display, "{what}");
     assert_eq!(hash(is), hash(was), "{what}");

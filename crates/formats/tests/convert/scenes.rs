@@ -43,6 +43,42 @@ fn scenes_of_the_repository_survive() {
     assert!(count >= 12, "only {count} scenes were there");
 }
 
+/// Light groups come along, of places of one mesh that are of different groups too.
+#[test]
+fn light_groups_survive() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [from, to] = ["a.toml", "b.toml"].map(|name| folder.path().join(name));
+    let square = |place: &str, group: &str| {
+        format!(
+            "[[shape]]\ntype = \"mesh\"\nfile = \"m.ply\"\nmaterial = \"lamp\"\n\
+             translate = {place}\n{group}\n"
+        )
+    };
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let mesh = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+    fs::write(folder.path().join("m.ply"), ply::to_bytes(&mesh)).expect("written");
+    let text = [
+        "version = 1\n[environment]\ncolor = 1\ngroup = \"sky\"\n\
+         [[material]]\nname = \"lamp\"\ntype = \"emissive\"\nradiance = 1\ngroup = \"key\"\n\
+         [[light]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = 1\ngroup = \"point\"\n",
+        &square("[0, 0, 0]", "group = \"left\""),
+        &square("[2, 0, 0]", "group = \"left\""),
+        &square("[4, 0, 0]", "group = \"right\""),
+        &square("[6, 0, 0]", ""),
+    ]
+    .concat();
+    fs::write(&from, text).expect("written");
+    let (before, new) = converted(&from, &to, false);
+    new.write(&to, false).expect("written");
+    let after = read(&to);
+    assert_same(&before, &after, "converted");
+    let objects: Vec<_> =
+        after.scene.objects.iter().map(|o| o.group.map(|group| group.to_string())).collect();
+    let [left, right] = ["left", "right"].map(|name| Some(name.to_owned()));
+    assert_eq!(objects, [left.clone(), left, right, None]);
+    assert_eq!(new.text.matches("[[shape]]").count(), 3, "{}", new.text);
+}
+
 /// Beside the old scene all files stay where they are, and small numbers stay in the text.
 #[test]
 fn files_beside_a_scene_are_named() {

@@ -291,8 +291,11 @@ fn lights_and_cameras_stand_where_nodes_do() {
     assert_eq!(loaded.scene.environment, None);
     let intensity = Rgb::new(10.0, 5.0, 0.0);
     let lights = &loaded.scene.lights;
-    assert_eq!(lights[0], Light::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity });
-    let Light::Directional { direction, irradiance } = lights[1] else { panic!() };
+    assert_eq!(
+        lights[0],
+        Light::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity, group: None }
+    );
+    let Light::Directional { direction, irradiance, group: None } = lights[1] else { panic!() };
     assert!((direction - Vec3::NEG_Y).length() < 1e-6 && irradiance == Rgb::grey(3.0));
     assert!(matches!(lights[2], Light::Spot { inner: 0.1, outer: 0.2, .. }));
     let camera = &loaded.cameras[0];

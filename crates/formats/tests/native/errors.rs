@@ -98,6 +98,28 @@ const MISTAKES: &[(&str, &str)] = &[
         "[render]\n\"a\\u0007\\nb\" = 1",
         r#"9:1: no key "a\u{7}\nb" in [render]; there are size, crop, spp, max_depth, integrator, sampler, seed, filter, filter_radius, filter_sigma, filter_bc, strategy, heuristic, roulette, light_selection, caustics, layers, exposure, curve"#,
     ),
+    // Light groups.
+    (
+        "[[light]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = 1\ngroup = \"a.b\"",
+        "12:9: the name of a light group has a '.', but takes letters and digits of ASCII, _ and - \
+         only: channels of files are called by it",
+    ),
+    ("[environment]\ncolor = 1\ngroup = \"\"", "10:9: the name of a light group is empty"),
+    (
+        "[[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"grey\"\ngroup = \"rest\"",
+        "12:9: no light group can be called \"rest\": that is what the lights without a group are \
+         called",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"emissive\"\nradiance = 1\n\
+         group = \"123456789012345678901\"",
+        "12:9: the name of a light group has 21 characters, but must have at most 20: channels of \
+         files are called by it",
+    ),
+    (
+        "[[material]]\nname = \"a\"\ntype = \"matte\"\nemission = { radiance = 1, group = 3 }",
+        "11:36: group must be a text in quotes, not the number 3",
+    ),
     // Types.
     (
         "[[material]]\nname = \"a\"\ntype = \"matte\"\nalbedo = true",
@@ -671,6 +693,22 @@ const WHOLE_SCENES: &[(&str, &str)] = &[
         "2:1: the camera has no direction: position and look_at are the same point, or too far apart",
     ),
 ];
+
+/// A light group too many is told at the first light that names it.
+#[test]
+fn a_light_group_too_many_is_told_at_its_light() {
+    let light = |i: usize| {
+        format!(
+            "[[light]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = 1\ngroup = \"g{i}\"\n"
+        )
+    };
+    let text = |count: usize| HEAD.to_owned() + &(0..count).map(light).collect::<String>();
+    assert!(parse(&text(64)).is_ok());
+    let error = parse(&(text(65) + &light(2))).expect_err("65 groups").to_string();
+    let line = HEAD.lines().count() + 65 * 5;
+    let said = "the light group \"g64\" is one too many: a scene has 64 at most";
+    assert_eq!(error, format!("scene.toml:{line}:9: {said}"));
+}
 
 #[test]
 fn mistakes_are_explained() {

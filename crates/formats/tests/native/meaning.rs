@@ -6,7 +6,7 @@ use rutilant::camera::{Camera, Lens};
 use rutilant::color::Rgb;
 use rutilant::display::{Curve, Display};
 use rutilant::film::Filter;
-use rutilant::light::{EnvironmentLight, Light, SpotLight};
+use rutilant::light::{EnvironmentLight, Light, LightGroup, SpotLight};
 use rutilant::material::{
     Absorption, EmittedLight, HemisphereSampling, MaterialKind, Matte, Metal, Principled,
 };
@@ -159,6 +159,38 @@ fn cameras_have_types_and_lenses() {
     assert!(matches!(camera("type = \"equirectangular\""), Camera::Equirectangular(_)));
 }
 
+/// Everything that shines can be of a group; what names none is of none.
+#[test]
+fn lights_are_of_groups() {
+    let group = |name: &str| LightGroup::new(name).ok();
+    let scene = read(
+        "[environment]\ncolor = 1\ngroup = \"sky\"\n\
+         [[material]]\nname = \"lamp\"\ntype = \"emissive\"\nradiance = 1\ngroup = \"key\"\n\
+         [[material]]\nname = \"ember\"\ntype = \"matte\"\n\
+         emission = { power = 1, group = \"Fill_2\" }\n\
+         [[material]]\nname = \"plain\"\ntype = \"emissive\"\nradiance = 1\n\
+         [[light]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = 1\ngroup = \"a\"\n\
+         [[light]]\ntype = \"spot\"\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\npower = 1\n\
+         group = \"b-2\"\n\
+         [[light]]\ntype = \"directional\"\ndirection = [0, -1, 0]\nirradiance = 1\ngroup = \"a\"\n\
+         [[light]]\ntype = \"point\"\nposition = [0, 1, 0]\nintensity = 1\n\
+         [[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"lamp\"\ngroup = \"own\"\n\
+         instances = [{ translate = [1, 0, 0] }, { translate = [2, 0, 0] }]\n\
+         [[shape]]\ntype = \"mesh\"\nmaterial = \"lamp\"\ngroup = \"own\"\n\
+         positions = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\ntriangles = [[0, 1, 2]]\n\
+         [[shape]]\ntype = \"disk\"\nradius = 1\nmaterial = \"lamp\"",
+    )
+    .scene;
+    assert_eq!(scene.environment.and_then(|sky| sky.group), group("sky"));
+    let emissions = scene.materials.iter().filter_map(|material| material.emission);
+    let emissions: Vec<_> = emissions.map(|emission| emission.group).collect();
+    assert!(emissions.ends_with(&[group("key"), group("Fill_2"), None]), "{emissions:?}");
+    let lights: Vec<_> = scene.lights.iter().map(Light::group).collect();
+    assert_eq!(lights, [group("a"), group("b-2"), group("a"), None]);
+    let objects: Vec<_> = scene.objects.iter().map(|object| object.group).collect();
+    assert_eq!(objects, [group("own"), group("own"), group("own"), None]);
+}
+
 /// Spots shine where they are told, into the cones of glTF where none are given.
 #[test]
 fn spots_have_cones() {
@@ -169,7 +201,7 @@ fn spots_have_cones() {
     let expected = |direction: [f32; 3], light, degrees: [f32; 2]| {
         let [inner, outer] = degrees.map(f32::to_radians);
         let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), direction.into());
-        Light::Spot { position, direction, light, inner, outer }
+        Light::Spot { position, direction, light, inner, outer, group: None }
     };
     assert_eq!(
         spot("look_at = [1, 0, 3]\nintensity = [1, 2, 3]"),

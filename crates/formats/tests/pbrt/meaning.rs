@@ -492,7 +492,9 @@ fn lights_stand_in_the_world() {
          [ 0 0 1 ] \"point3 to\" [ 0 5 1 ] \"float coneangle\" 40 \"float conedeltaangle\" 10 \
          LightSource \"infinite\" \"rgb L\" .5 LightSource \"infinite\" \"rgb L\" [ 1 2 3 ]",
     );
-    let Light::Spot { position, direction, light, inner, outer } = loaded.scene.lights[0] else {
+    let Light::Spot { position, direction, light, inner, outer, group: None } =
+        loaded.scene.lights[0]
+    else {
         panic!()
     };
     assert_eq!((position, direction), (Vec3::new(1.0, 2.0, 4.0), Vec3::Y));

@@ -9,7 +9,7 @@ use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::film::Filter;
 use rutilant::geom::Vec3;
-use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
+use rutilant::light::{Environment, EnvironmentLight, Light, LightGroup, SpotLight};
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
     MaterialKind, Matte, Metal, Mirror, Mix, Principled, Sides, ThinDielectric,
@@ -114,6 +114,10 @@ fn point(random: &mut Random) -> Vec3 {
     Vec3::new(random.unit() * 9.0 - 4.0, random.unit() * 5.0, 4.0 + random.unit())
 }
 
+fn group(random: &mut Random) -> Option<LightGroup> {
+    [None, Some("key"), Some("Fill_2")][random.below(3)].and_then(|name| LightGroup::new(name).ok())
+}
+
 fn emission(random: &mut Random) -> Emission {
     let light = rgb(random);
     let light = if random.below(2) == 0 {
@@ -121,7 +125,8 @@ fn emission(random: &mut Random) -> Emission {
     } else {
         EmittedLight::Power(light)
     };
-    Emission { light, two_sided: random.below(2) == 0, ..Emission::radiance(Rgb::WHITE) }
+    let (two_sided, group) = (random.below(2) == 0, group(random));
+    Emission { light, two_sided, group, ..Emission::radiance(Rgb::WHITE) }
 }
 
 fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
@@ -181,8 +186,12 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
 
 fn light(random: &mut Random) -> Light {
     match random.below(3) {
-        0 => Light::Point { position: point(random), intensity: rgb(random) },
-        1 => Light::Directional { direction: point(random), irradiance: rgb(random) },
+        0 => Light::Point { position: point(random), intensity: rgb(random), group: group(random) },
+        1 => Light::Directional {
+            direction: point(random),
+            irradiance: rgb(random),
+            group: group(random),
+        },
         _ => Light::Spot {
             position: point(random),
             direction: point(random),
@@ -193,6 +202,7 @@ fn light(random: &mut Random) -> Light {
             },
             inner: (10.0 * random.unit()).to_radians(),
             outer: (20.0 + 20.0 * random.unit()).to_radians(),
+            group: group(random),
         },
     }
 }
@@ -250,6 +260,7 @@ fn edit(look: &mut Look, random: &mut Random, own: usize) {
                     light: image.unwrap_or(EnvironmentLight::Constant(rgb(random))),
                     scale: random.unit(),
                     rotation: (360.0 * random.unit()).to_radians(),
+                    group: group(random),
                 }),
             };
         }

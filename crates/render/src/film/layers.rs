@@ -22,13 +22,17 @@ pub enum Layer {
     /// The light of the picture in three parts that add up to it: `emission`, seen without a
     /// bounce, `direct`, after one, and `indirect`, after more.
     Light,
+    /// The light of the picture by the groups of lights that it started from, which add up to it:
+    /// `Combined_key.R`, `Combined_key.G` and `Combined_key.B` of a group "key", and `Combined_rest.R`
+    /// and so on of the lights without a group. Nothing where no light has a group.
+    Groups,
     /// Mattes of objects, materials and assets by their names: see [`crate::cryptomatte`].
     Cryptomatte,
 }
 
 impl Layer {
     /// Every layer with the name that people call it by.
-    pub const ALL: [(&'static str, Self); 9] = [
+    pub const ALL: [(&'static str, Self); 10] = [
         ("albedo", Self::Albedo),
         ("normal", Self::Normal),
         ("depth", Self::Depth),
@@ -37,6 +41,7 @@ impl Layer {
         ("object", Self::Object),
         ("material", Self::Material),
         ("light", Self::Light),
+        ("groups", Self::Groups),
         ("cryptomatte", Self::Cryptomatte),
     ];
 
@@ -82,7 +87,7 @@ impl Layers {
 
     /// Whether any of them tells of the surface that a camera ray meets first.
     pub(crate) fn look(self) -> bool {
-        self.without(Layer::Light) != Self::NONE
+        self.without(Layer::Light).without(Layer::Groups) != Self::NONE
     }
 }
 

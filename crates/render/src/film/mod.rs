@@ -26,7 +26,7 @@ use crate::math::morton;
 use features::{Features, Seen};
 use learned::Learned;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Side of a tile in pixels.
 const TILE: u32 = 16;
@@ -97,6 +97,10 @@ pub(crate) struct Tile {
     /// Of the sums of each pixel what was seen without a bounce, and that with what came after one;
     /// empty where no layer asks for it.
     parts: Vec<[[f64; 3]; 2]>,
+    /// Of the sums of each pixel what started from the lights of each group: (height, width, group).
+    groups: Vec<[f64; 3]>,
+    /// How many groups are told.
+    group_count: usize,
 }
 
 /// A sample of a pixel.
@@ -172,6 +176,20 @@ impl Tile {
         self.parts[i] = sums;
     }
 
+    /// Adds of samples of a pixel, with their weights, what started from the lights of each group:
+    /// (sample, group). What was dropped is black.
+    pub(crate) fn add_groups(&mut self, pixel: [u32; 2], light: &[Spectrum], weights: &[f32]) {
+        let (i, each) = (self.index(pixel), self.group_count);
+        let sums = &mut self.groups[i * each..(i + 1) * each];
+        for (weight, light) in weights.iter().zip(light.chunks_exact(each)) {
+            for (sums, light) in sums.iter_mut().zip(light) {
+                for (sum, value) in sums.iter_mut().zip((*light * *weight).channels()) {
+                    *sum += f64::from(value);
+                }
+            }
+        }
+    }
+
     /// Counts the objects that samples of a pixel met first; `looked` of them are looked at.
     pub(crate) fn count(&mut self, pixel: [u32; 2], objects: &[u32], looked: u64) {
         let i = self.index(pixel);
@@ -213,12 +231,20 @@ pub(crate) struct Film {
     /// What light paths bring, where there are any.
     splats: Option<Splats>,
     layers: Layers,
+    /// The names of the groups of lights that are told.
+    groups: Vec<Arc<str>>,
 }
 
 impl Film {
-    /// A black film with `layers`. With `learns`, samples bring a control that its pixels learn to
-    /// use; with `splats`, light paths add to it.
-    pub(crate) fn new(window: Crop, learns: bool, splats: Option<Splats>, layers: Layers) -> Self {
+    /// A black film with `layers`, and with the light of these `groups`. With `learns`, samples bring a
+    /// control that its pixels learn to use; with `splats`, light paths add to it.
+    pub(crate) fn new(
+        window: Crop,
+        learns: bool,
+        splats: Option<Splats>,
+        layers: Layers,
+        groups: &[Arc<str>],
+    ) -> Self {
         let (columns, rows) = (window.width.div_ceil(TILE), window.height.div_ceil(TILE));
         let mut places: Vec<(u32, u32)> =
             (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))).collect();
@@ -239,12 +265,15 @@ impl Film {
                     features: vec![Features::default(); seen],
                     seen: vec![Seen::default(); seen],
                     parts: vec![[[0.0; 3]; 2]; parted],
+                    groups: vec![[0.0; 3]; pixels * groups.len()],
+                    group_count: groups.len(),
                 })
             })
             .collect();
         let samples = std::iter::repeat_with(AtomicU64::default);
         let samples = samples.take(columns as usize * rows as usize).collect();
-        Self { window, tiles, samples, dropped: Mutex::default(), splats, layers }
+        let (dropped, groups) = (Mutex::default(), groups.to_vec());
+        Self { window, tiles, samples, dropped, splats, layers, groups }
     }
 
     pub(crate) fn tile_count(&self) -> usize {
@@ -309,6 +338,12 @@ impl Film {
         let parts: &[&str] = if self.layers.has(Layer::Light) { &PARTS } else { &[] };
         let mut channels: Vec<Channel> =
             COLORS.iter().chain(parts).map(|name| black(name)).collect();
+        let mut groups: Vec<Channel> = self
+            .groups
+            .iter()
+            .flat_map(|name| group_channels(name))
+            .map(|name| black(&name))
+            .collect();
         let mut layers = Vec::<Channel>::new();
         for i in 0..self.tile_count() {
             let tile = self.tile(i);
@@ -340,6 +375,16 @@ impl Film {
                 for (channel, value) in channels.iter_mut().zip(all) {
                     channel.values[at] = value;
                 }
+                let added = self.splats.as_ref().map(|splats| splats.added_groups(at));
+                let mut added = added.into_iter().flatten();
+                let sums = tile.groups.get(k * tile.group_count..).unwrap_or_default();
+                for (sums, three) in sums.iter().zip(groups.chunks_exact_mut(3)) {
+                    let added = added.next().unwrap_or_default();
+                    for (c, channel) in three.iter_mut().enumerate() {
+                        let mean = sums[c] / pixel.count.max(1) as f64;
+                        channel.values[at] = (mean + added[c]) as f32;
+                    }
+                }
             }
             for Channel { name, values } in
                 features::channels(self.layers, &tile.features, &tile.seen, ids)
@@ -355,6 +400,7 @@ impl Film {
                 }
             }
         }
+        channels.extend(groups);
         channels.extend(layers);
         Image::new(width, height, channels).expect("every channel has the window's size")
     }
@@ -375,6 +421,11 @@ const PARTS: [&str; 9] = [
     "indirect.G",
     "indirect.B",
 ];
+
+/// The channels of a light group, as Blender calls its passes.
+fn group_channels(name: &str) -> [String; 3] {
+    ["R", "G", "B"].map(|c| format!("Combined_{name}.{c}"))
+}
 
 /// Locks. What is locked here is whole between samples, so a thread that died did no harm.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -402,7 +453,7 @@ mod tests {
     #[test]
     fn samples_that_are_no_numbers_are_dropped_and_located() {
         let window = Crop { x: 5, y: 6, width: 20, height: 20 };
-        let film = Film::new(window, false, None, Layers::NONE);
+        let film = Film::new(window, false, None, Layers::NONE, &[]);
         let mut tile = film.tile(0);
         for (pixel, number, value) in [
             ([7, 8], 0, Spectrum::WHITE),
@@ -426,7 +477,7 @@ mod tests {
     fn tiles_cover_the_window() {
         for (width, height) in [(1, 1), (101, 97), (16, 33), (1, 1000)] {
             let window = Crop { x: 3, y: 4, width, height };
-            let film = Film::new(window, false, None, Layers::NONE);
+            let film = Film::new(window, false, None, Layers::NONE, &[]);
             let mut seen = vec![0; (width * height) as usize];
             for i in 0..film.tile_count() {
                 let area = film.tile(i).area;

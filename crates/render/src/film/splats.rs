@@ -32,6 +32,8 @@ pub(crate) struct Splat {
     pub(crate) value: Spectrum,
     /// A number in [0, 1) that decides how it is rounded.
     pub(crate) rounding: f32,
+    /// The number of the light that it started from.
+    pub(crate) emitter: u32,
 }
 
 /// The sums of all pixels of a window.
@@ -50,6 +52,10 @@ pub(crate) struct Splats {
     blocks: Vec<AtomicU64>,
     /// (height, width).
     sums: Vec<Sums>,
+    /// How many groups of lights are told apart.
+    groups: usize,
+    /// Of the values of the sums what started from the lights of each: (height, width, group).
+    of_groups: Vec<[AtomicI64; 3]>,
 }
 
 /// The sums of one pixel, in parts and in squares of them.
@@ -67,8 +73,15 @@ pub(super) struct Added {
 
 impl Splats {
     /// None yet, for the `window` of a picture of `size` pixels, from lights of no more radiance
-    /// than `brightest`, when so many samples of each pixel are planned.
-    pub(crate) fn new(window: Crop, size: [u32; 2], brightest: f32, planned: u64) -> Self {
+    /// than `brightest`, when so many samples of each pixel are planned. So many `groups` of lights are
+    /// told apart.
+    pub(crate) fn new(
+        window: Crop,
+        size: [u32; 2],
+        brightest: f32,
+        planned: u64,
+        groups: usize,
+    ) -> Self {
         let most = PARTS_IN_ALL / planned.clamp(SAMPLES[0], SAMPLES[1]) as f64;
         let pixels = window.width as usize * window.height as usize;
         let [columns, rows] = tile_grid(size);
@@ -81,6 +94,8 @@ impl Splats {
             paths: AtomicU64::new(0),
             blocks: std::iter::repeat_with(AtomicU64::default).take(blocks).collect(),
             sums: std::iter::repeat_with(Sums::default).take(pixels).collect(),
+            groups,
+            of_groups: std::iter::repeat_with(Default::default).take(pixels * groups).collect(),
         }
     }
 
@@ -116,15 +131,31 @@ impl Splats {
     }
 
     /// Adds what `paths` light paths of a block have brought, all of it finite and in the window;
-    /// the block has come to `sample` now.
-    pub(crate) fn add(&self, block: usize, sample: u64, paths: u64, splats: &[Splat]) {
-        for Splat { pixel: [x, y], value, rounding } in splats {
+    /// the block has come to `sample` now. Where groups are told apart, an emitter is of the one that
+    /// `group_of` says.
+    pub(crate) fn add(
+        &self,
+        block: usize,
+        sample: u64,
+        paths: u64,
+        splats: &[Splat],
+        group_of: impl Fn(usize) -> usize,
+    ) {
+        for Splat { pixel: [x, y], value, rounding, emitter } in splats {
             let (x, y) = ((x - self.window.x) as usize, (y - self.window.y) as usize);
-            let sums = &self.sums[y * self.window.width as usize + x];
+            let pixel = y * self.window.width as usize + x;
+            let sums = &self.sums[pixel];
+            let of_group = (self.groups > 0)
+                .then(|| &self.of_groups[pixel * self.groups + group_of(*emitter as usize)]);
             let rounding = f64::from(*rounding);
-            for ((sum, square), v) in sums.values.iter().zip(&sums.squares).zip(value.channels()) {
+            let both = sums.values.iter().zip(&sums.squares).zip(value.channels());
+            for (c, ((sum, square), v)) in both.enumerate() {
                 let parts = f64::from(v) * self.parts;
-                sum.fetch_add((parts + rounding).floor() as i64, Ordering::Relaxed);
+                let whole = (parts + rounding).floor() as i64;
+                sum.fetch_add(whole, Ordering::Relaxed);
+                if let Some(of_group) = of_group {
+                    of_group[c].fetch_add(whole, Ordering::Relaxed);
+                }
                 let squared = parts * (parts / self.most);
                 square.fetch_add((squared + rounding).floor() as u64, Ordering::Relaxed);
             }
@@ -138,12 +169,27 @@ impl Splats {
         self.blocks.iter().map(|b| b.load(Ordering::Relaxed)).min().unwrap_or(u64::MAX)
     }
 
+    /// Light paths so far, and what a part counts in the mean of them.
+    fn scale(&self) -> (f64, f64) {
+        let paths = self.paths.load(Ordering::Relaxed).max(1) as f64;
+        let pixels: f64 = self.size.into_iter().map(f64::from).product();
+        (paths, pixels / self.parts)
+    }
+
+    /// Of the mean that light paths add to the pixel at this place in the window what started from
+    /// the lights of each group.
+    pub(super) fn added_groups(&self, index: usize) -> impl Iterator<Item = [f64; 3]> {
+        let (paths, per_path) = self.scale();
+        let its = &self.of_groups[index * self.groups..(index + 1) * self.groups];
+        its.iter().map(move |sums| {
+            sums.each_ref().map(|sum| sum.load(Ordering::Relaxed) as f64 * per_path / paths)
+        })
+    }
+
     /// What the light paths so far add to the pixel at this place in the window.
     pub(super) fn added(&self, index: usize) -> Added {
-        let paths = self.paths.load(Ordering::Relaxed).max(1) as f64;
+        let (paths, per_path) = self.scale();
         let Sums { values, squares } = &self.sums[index];
-        let pixels: f64 = self.size.into_iter().map(f64::from).product();
-        let per_path = pixels / self.parts;
         let sum = |c: usize| values[c].load(Ordering::Relaxed) as f64 * per_path;
         Added {
             mean: std::array::from_fn(|c| sum(c) / paths),
@@ -178,12 +224,16 @@ mod tests {
                 pixel: [3, 1 + i % 2],
                 value: Spectrum::from([1.0, 1e-4 * (i / 2 % 4) as f32, 1e-12]),
                 rounding: (i.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32,
+                emitter: i % 3,
             })
             .collect();
         let all = |order: &mut dyn Iterator<Item = Splat>| {
-            let sums = Splats::new(window, [10, 10], 1.0, 64);
+            let sums = Splats::new(window, [10, 10], 1.0, 64, 2);
             let splats: Vec<Splat> = order.collect();
-            splats.chunks(100).for_each(|some| sums.add(0, 1, some.len() as u64, some));
+            splats.chunks(100).for_each(|some| {
+                // Two of three emitters are of one group.
+                sums.add(0, 1, some.len() as u64, some, |emitter| usize::from(emitter == 1));
+            });
             sums
         };
         let forth = all(&mut splats.iter().copied());

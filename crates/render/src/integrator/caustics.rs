@@ -454,7 +454,12 @@ impl<'a> Caustics<'a> {
         let end = offset_end(hit.position, at.normal, seen.eye);
         (!value.is_black()).then(|| Arrival {
             shadow_ray: Ray::between(seen.eye, end),
-            splat: Splat { pixel, value, rounding: path.sampler.d1(light_path::ROUNDING) },
+            splat: Splat {
+                pixel,
+                value,
+                rounding: path.sampler.d1(light_path::ROUNDING),
+                emitter: path.emitter as u32,
+            },
         })
     }
 }

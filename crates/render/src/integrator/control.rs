@@ -35,6 +35,10 @@ pub(super) trait Control {
     /// The scattered ray found this light; light sampling has this share in it.
     fn scattered(&mut self, light: Spectrum, light_share: f32);
 
+    /// Light of this emitter is found, which is still to be multiplied by what is left of it at the
+    /// camera.
+    fn found(&mut self, _emitter: usize, _light: Spectrum) {}
+
     /// The path survived roulette, and stands for this many.
     fn survived(&mut self, stands_for: f32);
 

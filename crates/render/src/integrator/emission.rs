@@ -12,7 +12,7 @@ pub(super) struct SeenEmission {
     /// Radiance towards where the ray came from.
     pub(super) radiance: Spectrum,
     /// The number of the emitter.
-    emitter: usize,
+    pub(super) emitter: usize,
     /// Where the ray met it, and the normal there; of the sky only a point on the ray is known.
     position: Vec3,
     normal: Vec3,

@@ -9,6 +9,7 @@ use crate::prepare::Prepared;
 use crate::sampler::Sampler;
 use rutilant_geom::Ray;
 use rutilant_geom::lanes::LANES;
+use std::ops::Range;
 
 /// What came of many starts, eight for each packet, in their order.
 #[derive(Default)]
@@ -20,11 +21,54 @@ pub(crate) struct Found {
     pub(crate) emission: Vec<Spectrum>,
     /// That with what came after one bounce.
     pub(crate) direct: Vec<Spectrum>,
+    /// Of the radiance what started from the lights of each group.
+    pub(crate) groups: GroupLight,
     /// The number of the object that each camera ray met first, or [`NOTHING`]; empty where it is not
     /// asked for.
     pub(crate) objects: Vec<u32>,
     /// More of what some of them met, by the number of the start, which rises.
     pub(crate) firsts: Vec<(u32, First)>,
+}
+
+/// Light by the groups of lights that it started from.
+#[derive(Default)]
+pub(crate) struct GroupLight {
+    /// How many groups there are: none where they are not asked for.
+    each: usize,
+    /// (start, group).
+    light: Vec<Spectrum>,
+}
+
+impl GroupLight {
+    fn clear(&mut self, starts: usize, each: usize) {
+        self.each = each;
+        self.light.clear();
+        self.light.resize(starts * each, Spectrum::BLACK);
+    }
+
+    /// Whether groups are asked for.
+    #[inline(always)]
+    pub(crate) fn are_told(&self) -> bool {
+        self.each > 0
+    }
+
+    /// What these starts brought: (start, group).
+    pub(crate) fn of(&self, starts: Range<usize>) -> &[Spectrum] {
+        &self.light[starts.start * self.each..starts.end * self.each]
+    }
+
+    /// The groups of a start.
+    pub(crate) fn of_mut(&mut self, start: usize) -> &mut [Spectrum] {
+        &mut self.light[start * self.each..(start + 1) * self.each]
+    }
+
+    /// Adds light of a group to that of a start.
+    #[inline(always)]
+    pub(super) fn add(&mut self, start: u32, group: usize, light: Spectrum) {
+        if let Some(sum) = self.light.get_mut(start as usize * self.each + group) {
+            *sum += light;
+        }
+    }
 }
 
 impl Found {
@@ -40,6 +84,7 @@ impl Found {
             light.clear();
             light.resize(count, Spectrum::BLACK);
         }
+        self.groups.clear(count, view.map_or(0, |view| view.groups));
         self.controls.clear();
         self.controls.resize(count, 0.0);
         self.objects.clear();
@@ -54,6 +99,7 @@ impl Found {
                 *part = Spectrum::BLACK;
             }
         }
+        self.groups.of_mut(start).fill(Spectrum::BLACK);
     }
 }
 
@@ -102,7 +148,8 @@ pub(crate) trait Integrator: Sync {
                     continue;
                 };
                 let view = (view, looks >> lane & 1 == 1);
-                let watched = self.watched(scene, ray, sampler, view, rays);
+                let groups = found.groups.of_mut(slot);
+                let watched = self.watched(scene, ray, sampler, view, groups, rays);
                 (found.radiance[slot], found.controls[slot]) = (watched.radiance, watched.control);
                 if !found.emission.is_empty() {
                     [found.emission[slot], found.direct[slot]] = watched.parts;
@@ -140,14 +187,16 @@ pub(crate) trait Integrator: Sync {
         (self.radiance(scene, ray, sampler, rays), 0.0)
     }
 
-    /// The same with what is asked besides, and whether what is met is to be looked at. Integrators
-    /// that know no parts of light tell none.
+    /// The same with what is asked besides, and whether what is met is to be looked at. Adds to
+    /// `groups` what started from the lights of each. Integrators that know no parts of light tell
+    /// none.
     fn watched<S: Sampler>(
         &self,
         scene: &Prepared,
         ray: Ray,
         sampler: &S,
         (view, look): (&View, bool),
+        _groups: &mut [Spectrum],
         rays: &mut u64,
     ) -> Watched {
         let first = view.along(scene, ray, look, rays);

@@ -37,6 +37,8 @@ pub(crate) struct First {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) layers: Layers,
+    /// How many groups of lights are told apart.
+    pub(crate) groups: usize,
     eye: Vec3,
     /// Depth is measured along this unit vector, as compositors expect it; of a camera that sees
     /// all around it is the distance.
@@ -44,13 +46,13 @@ pub(crate) struct View {
 }
 
 impl View {
-    pub(crate) fn new(camera: &Camera, layers: Layers) -> Self {
+    pub(crate) fn new(camera: &Camera, layers: Layers, groups: usize) -> Self {
         let axis = camera.axis();
         let forward = match camera {
             Camera::Perspective(_) | Camera::Orthographic(_) => Some(axis.direction),
             Camera::Equirectangular(_) => None,
         };
-        Self { layers, eye: axis.origin, forward }
+        Self { layers, groups, eye: axis.origin, forward }
     }
 
     /// Whether anything is asked that samples are to be looked at for.

@@ -49,9 +49,10 @@ impl Integrator for Optimal<'_> {
         ray: Ray,
         sampler: &S,
         (view, look): (&View, bool),
+        groups: &mut [Spectrum],
         rays: &mut u64,
     ) -> Watched {
-        let mut both = (FirstSurface::new(), Witness::new(scene, view, look));
+        let mut both = (FirstSurface::new(), Witness::new(scene, view, look, groups));
         let radiance = self.0.trace(scene, ray, sampler, rays, &mut both);
         both.1.told(radiance, both.0.value)
     }
@@ -88,7 +89,11 @@ mod tests {
         let camera = Perspective::look_at(eye, Vec3::new(0.0, 0.4, 0.0), 0.8);
         let mut s = Scene::new(camera.expect("two different points"));
         s.environment = Some(Environment::constant(Rgb::new(0.0, 0.0, 0.4)));
-        s.lights.push(Light::Point { position: Vec3::new(2.0, 2.0, 1.0), intensity: Rgb::WHITE });
+        s.lights.push(Light::Point {
+            position: Vec3::new(2.0, 2.0, 1.0),
+            intensity: Rgb::WHITE,
+            group: None,
+        });
         let clay = s.add_material(Matte { roughness: 0.5, ..Matte::new(Rgb::new(0.7, 0.5, 0.0)) });
         let gold = s.add_material(Metal::Gold.conductor(0.4));
         let mirror = s.add_material(Mirror { reflectance: Rgb::grey(0.9) });

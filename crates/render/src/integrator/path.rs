@@ -82,9 +82,10 @@ impl Integrator for Path<'_> {
         ray: Ray,
         sampler: &S,
         (view, look): (&View, bool),
+        groups: &mut [Spectrum],
         rays: &mut u64,
     ) -> Watched {
-        let mut witness = Witness::new(scene, view, look);
+        let mut witness = Witness::new(scene, view, look, groups);
         let radiance = self.trace(scene, ray, sampler, rays, &mut witness);
         witness.told(radiance, 0.0)
     }
@@ -247,7 +248,9 @@ impl Path<'_> {
                 }
             }
         };
-        seen.radiance * share
+        let light = seen.radiance * share;
+        control.found(seen.emitter, light);
+        light
     }
 
     /// Light from one light that is chosen for `point`, as `at` is seen by lights, times the share
@@ -299,6 +302,7 @@ impl Path<'_> {
         let distance = light.end.map_or(f32::INFINITY, |end| origin.distance(end));
         let arrives = unshadowed * transmittance(sides[usize::from(beyond)], distance);
         control.light(arrives, 1.0 - share);
+        control.found(emitter, arrives);
         arrives
     }
 }

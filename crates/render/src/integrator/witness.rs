@@ -1,5 +1,5 @@
-//! What a path tells beside its light, while it is traced alone: what it met first, and which part
-//! of the light came after how many bounces.
+//! What a path tells beside its light, while it is traced alone: what it met first, which part of the
+//! light came after how many bounces, and which from which lights.
 
 use super::control::Control;
 use super::estimate::Watched;
@@ -18,11 +18,22 @@ pub(super) struct Witness<'a> {
     parts: [Spectrum; 2],
     /// The depths that the path has reached.
     depth: u32,
+    /// What started from the lights of each group; empty where that is not asked for.
+    groups: &'a mut [Spectrum],
+    /// What is left at the camera of light that is found.
+    throughput: Spectrum,
 }
 
 impl<'a> Witness<'a> {
-    pub(super) fn new(scene: &'a Prepared, view: &'a View, look: bool) -> Self {
-        Self { scene, view, look, first: None, parts: [Spectrum::BLACK; 2], depth: 0 }
+    /// Adds to `groups` what is found.
+    pub(super) fn new(
+        scene: &'a Prepared,
+        view: &'a View,
+        look: bool,
+        groups: &'a mut [Spectrum],
+    ) -> Self {
+        let (first, parts, depth, throughput) = (None, [Spectrum::BLACK; 2], 0, Spectrum::WHITE);
+        Self { scene, view, look, first, parts, depth, groups, throughput }
     }
 
     /// All of it, when the path has ended and brought this `radiance`.
@@ -35,11 +46,22 @@ impl<'a> Witness<'a> {
 }
 
 impl Control for Witness<'_> {
-    fn carries(&mut self, _: Spectrum) {}
+    fn carries(&mut self, throughput: Spectrum) {
+        self.throughput = throughput;
+    }
+
     fn surface(&mut self) {}
     fn light(&mut self, _: Spectrum, _: f32) {}
     fn scattered(&mut self, _: Spectrum, _: f32) {}
     fn survived(&mut self, _: f32) {}
+
+    fn found(&mut self, emitter: usize, light: Spectrum) {
+        if !self.groups.is_empty()
+            && let Some(sum) = self.groups.get_mut(self.scene.groups().of(emitter))
+        {
+            *sum += self.throughput * light;
+        }
+    }
 
     fn met(&mut self, depth: u32, met: &Met<'_>) {
         if depth == 1 && self.view.layers.look() {
@@ -74,6 +96,11 @@ impl<A: Control, B: Control> Control for (A, B) {
     fn scattered(&mut self, light: Spectrum, light_share: f32) {
         self.0.scattered(light, light_share);
         self.1.scattered(light, light_share);
+    }
+
+    fn found(&mut self, emitter: usize, light: Spectrum) {
+        self.0.found(emitter, light);
+        self.1.found(emitter, light);
     }
 
     fn survived(&mut self, stands_for: f32) {

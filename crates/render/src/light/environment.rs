@@ -2,6 +2,7 @@
 //!
 //! It is even, or comes from a picture (`sky_map.rs`).
 
+use super::group::LightGroup;
 use super::projection::Projection;
 use super::sample::EmitterSample;
 use super::sky_map::SkyMap;
@@ -23,6 +24,8 @@ pub struct Environment {
     pub scale: f32,
     /// Turns the sky around +y, in radians, counter-clockwise seen from above.
     pub rotation: f32,
+    /// Where its light counts in a picture of light groups.
+    pub group: Option<LightGroup>,
 }
 
 /// The radiance of a sky in W/(m² sr).
@@ -42,7 +45,8 @@ pub enum EnvironmentLight {
 impl Environment {
     /// The same radiance in every direction.
     pub fn constant(radiance: Rgb) -> Self {
-        Self { light: EnvironmentLight::Constant(radiance), scale: 1.0, rotation: 0.0 }
+        let light = EnvironmentLight::Constant(radiance);
+        Self { light, scale: 1.0, rotation: 0.0, group: None }
     }
 
     /// A latitude-longitude map as it is.
@@ -53,7 +57,13 @@ impl Environment {
     /// A map as it is.
     pub fn map(image: ImageId, projection: Projection) -> Self {
         let light = EnvironmentLight::Image { image, projection };
-        Self { light, scale: 1.0, rotation: 0.0 }
+        Self { light, scale: 1.0, rotation: 0.0, group: None }
+    }
+
+    /// The same as one of this group.
+    #[must_use]
+    pub fn in_group(self, group: LightGroup) -> Self {
+        Self { group: Some(group), ..self }
     }
 
     pub(crate) fn validate(&self, images: &[Arc<Image>]) -> Result<(), SceneProblem> {

@@ -8,6 +8,7 @@ mod disk;
 mod distant;
 mod emitter;
 mod environment;
+mod group;
 mod point;
 mod projection;
 mod sample;
@@ -23,6 +24,7 @@ pub use disk::DiskEmitter;
 pub use distant::DistantEmitter;
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentEmitter, EnvironmentLight};
+pub use group::{GroupNameProblem, LightGroup};
 pub use point::PointEmitter;
 pub use projection::Projection;
 pub(crate) use sample::LampPoint;
@@ -49,6 +51,8 @@ pub enum Light {
         position: Vec3,
         /// Intensity in W/sr, per channel.
         intensity: Rgb,
+        /// Where its light counts in a picture of light groups.
+        group: Option<LightGroup>,
     },
     /// Shines along one direction, from infinitely far away.
     Directional {
@@ -56,6 +60,8 @@ pub enum Light {
         direction: Vec3,
         /// Irradiance in W/m² on a surface that faces it, per channel.
         irradiance: Rgb,
+        /// Where its light counts in a picture of light groups.
+        group: Option<LightGroup>,
     },
     /// Shines from one point into a cone with soft edges.
     Spot {
@@ -69,6 +75,8 @@ pub enum Light {
         inner: f32,
         /// Half angle, in radians, beyond which it is dark; above 0, up to π.
         outer: f32,
+        /// Where its light counts in a picture of light groups.
+        group: Option<LightGroup>,
     },
 }
 
@@ -82,21 +90,43 @@ pub enum SpotLight {
 }
 
 impl Light {
+    /// The group that its light is of.
+    pub fn group(&self) -> Option<LightGroup> {
+        match self {
+            Self::Point { group, .. }
+            | Self::Directional { group, .. }
+            | Self::Spot { group, .. } => *group,
+        }
+    }
+
+    /// The same as one of this group.
+    #[must_use]
+    pub fn in_group(mut self, of: LightGroup) -> Self {
+        match &mut self {
+            Self::Point { group, .. }
+            | Self::Directional { group, .. }
+            | Self::Spot { group, .. } => {
+                *group = Some(of);
+            }
+        }
+        self
+    }
+
     pub(crate) fn validate(&self, index: usize) -> Result<(), SceneProblem> {
         let place = Place::Light(index);
         match *self {
-            Self::Point { position, intensity } => {
+            Self::Point { position, intensity, group: _ } => {
                 place.check("position", position.to_array(), FINITE)?;
                 place.check("intensity", intensity.0, LIGHT)
             }
-            Self::Directional { direction, irradiance } => {
+            Self::Directional { direction, irradiance, group: _ } => {
                 place.check("direction", direction.to_array(), FINITE)?;
                 if unit(direction).is_none() {
                     return Err(place.problem("direction", "direction has no length"));
                 }
                 place.check("irradiance", irradiance.0, LIGHT)
             }
-            Self::Spot { position, direction, light, inner, outer } => {
+            Self::Spot { position, direction, light, inner, outer, group: _ } => {
                 place.check("position", position.to_array(), FINITE)?;
                 place.check("direction", direction.to_array(), FINITE)?;
                 if unit(direction).is_none() {
@@ -129,14 +159,16 @@ impl Light {
 
     pub(crate) fn prepare(&self) -> Emitter {
         match *self {
-            Self::Point { position, intensity } => {
+            Self::Point { position, intensity, group: _ } => {
                 Emitter::Point(PointEmitter { position, intensity: intensity.into() })
             }
-            Self::Directional { direction, irradiance } => Emitter::Distant(DistantEmitter {
-                towards: -unit(direction).unwrap_or(Vec3::NEG_Y),
-                irradiance: irradiance.into(),
-            }),
-            Self::Spot { position, direction, light, inner, outer } => {
+            Self::Directional { direction, irradiance, group: _ } => {
+                Emitter::Distant(DistantEmitter {
+                    towards: -unit(direction).unwrap_or(Vec3::NEG_Y),
+                    irradiance: irradiance.into(),
+                })
+            }
+            Self::Spot { position, direction, light, inner, outer, group: _ } => {
                 let cones = [inner, outer];
                 let intensity = match light {
                     SpotLight::Intensity(rgb) => Spectrum::from(rgb),

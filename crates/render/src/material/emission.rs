@@ -2,6 +2,7 @@
 
 use crate::color::Rgb;
 use crate::id::TextureId;
+use crate::light::LightGroup;
 use crate::problem::{LIGHT, Place, SceneProblem};
 use crate::texture::ColorInput;
 
@@ -18,6 +19,9 @@ pub struct Emission {
     pub vertex_colors: bool,
     /// Whether the back, where the normal points away from, gives light as well.
     pub two_sided: bool,
+    /// Where its light counts in a picture of light groups, but for objects that have a group of
+    /// their own.
+    pub group: Option<LightGroup>,
 }
 
 /// An amount of light, the same in every direction.
@@ -38,7 +42,14 @@ impl Emission {
             texture: None,
             vertex_colors: false,
             two_sided: false,
+            group: None,
         }
+    }
+
+    /// The same as one of this group.
+    #[must_use]
+    pub fn in_group(self, group: LightGroup) -> Self {
+        Self { group: Some(group), ..self }
     }
 
     /// What its light varies by, if it does.

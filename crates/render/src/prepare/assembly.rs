@@ -6,9 +6,10 @@ use super::prepared::{ObjectEmitters, PrepareReport, Prepared, PreparedObject};
 use super::texture::{Eye, PreparedTextures};
 use crate::color::{Rgb, Spectrum};
 use crate::cryptomatte::Ids;
+use crate::groups::Groups;
 use crate::light::{
-    DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, ParallelogramEmitter, SphereEmitter,
-    TriangleEmitter,
+    DiskEmitter, Emitter, EnvironmentEmitter, Glow, Light, LightGroup, ParallelogramEmitter,
+    SphereEmitter, TriangleEmitter,
 };
 use crate::material::{Emission, EmittedLight, Material};
 use crate::medium::{Border, Media};
@@ -52,6 +53,8 @@ pub(super) struct Assembly {
     colors: Vec<[f32; 4]>,
     tangents: Vec<[f32; 4]>,
     emitters: Vec<Emitter>,
+    /// The group of each.
+    groups: Vec<Option<LightGroup>>,
     some_pass: bool,
     /// Whether the object that is being added is there from its front alone.
     one_sided: bool,
@@ -102,8 +105,12 @@ impl Assembly {
         self.are_instances = sharing::instances(scene, options.copies);
         for (number, object) in scene.objects.iter().enumerate() {
             self.add(number, object, scene);
+            let emission = scene.materials[object.material.0 as usize].emission;
+            let group = object.group.or_else(|| emission.and_then(|emission| emission.group));
+            self.groups.resize(self.emitters.len(), group);
         }
         self.emitters.extend(scene.lights.iter().map(Light::prepare));
+        self.groups.extend(scene.lights.iter().map(Light::group));
         let environment = scene.environment.as_ref().map(|environment| {
             let (sky, mended) = EnvironmentEmitter::new(environment, &scene.images);
             if mended > 0 {
@@ -111,6 +118,7 @@ impl Assembly {
                     "{mended} of its pixels, negative, infinite or no numbers, give no light"
                 )));
             }
+            self.groups.push(environment.group);
             self.add_emitter(Emitter::Environment(sky))
         });
 
@@ -215,6 +223,7 @@ impl Assembly {
                 || self.emitters.iter().any(Emitter::is_custom),
             ranked_media: ranked_media.into(),
             emitters: self.emitters.into(),
+            groups: Groups::new(scene, &self.groups),
             light_tree: Arc::default(),
             environment,
             eye: Eye::default(),

@@ -9,12 +9,13 @@ use crate::camera::Camera;
 use crate::color::Spectrum;
 use crate::cryptomatte::Ids;
 use crate::dispersion::{BANDS, Bands};
+use crate::groups::Groups;
 use crate::interaction::SurfaceInteraction;
 use crate::light::{Emitter, EnvironmentEmitter, LightTree};
 use crate::material::Opacity;
 use crate::medium::{Border, Media, PreparedMedium};
 use crate::problem::{Note, Place};
-use crate::settings::{IntegratorKind, Settings, Strategy};
+use crate::settings::{IntegratorKind, Layer, Layers, Settings, Strategy};
 use crate::texture::ColorInput;
 use rutilant_geom::{
     Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
@@ -54,6 +55,8 @@ pub struct Prepared {
     /// Those with a priority, the strongest first.
     pub(super) ranked_media: Arc<[PreparedMedium]>,
     pub(super) emitters: Arc<[Emitter]>,
+    /// The light groups that they are of.
+    pub(super) groups: Groups,
     /// The tree of those within the scene, once it is asked for.
     pub(super) light_tree: Arc<OnceLock<Option<Arc<LightTree>>>>,
     /// The emitter that is the sky.
@@ -192,13 +195,28 @@ impl Prepared {
     pub fn notes_for(&self, settings: &Settings) -> Vec<Note> {
         let mut notes = self.notes_on_unmet(settings);
         notes.extend(self.note_on_crop(settings));
-        if settings.layers != settings.kept_layers() {
-            notes.push(
-                "the layer \"light\" is left out: only the integrator \"path\" knows parts of light, and \
-                 not with the heuristic \"optimal\""
-                    .to_owned()
-                    .into(),
-            );
+        let left_out = [Layer::Light, Layer::Groups].map(|layer| {
+            let is_there = settings.layers.has(layer) && !settings.kept_layers().has(layer);
+            is_there && (layer == Layer::Light || !self.groups.names().is_empty())
+        });
+        let layers = match left_out {
+            [false, false] => None,
+            [true, false] => Some("the layer \"light\" is"),
+            [false, true] => Some("the layer \"groups\" is"),
+            [true, true] => Some("the layers \"light\" and \"groups\" are"),
+        };
+        notes.extend(layers.map(|layers| {
+            format!(
+                "{layers} left out: only the integrator \"path\" knows parts of light, and not with the \
+                 heuristic \"optimal\""
+            )
+            .into()
+        }));
+        // Whoever asks for all layers asks for those that there are.
+        let asked = settings.layers.has(Layer::Groups) && settings.layers != Layers::all();
+        if asked && self.groups.names().is_empty() {
+            let what = "the layer \"groups\" is left out: no light of the scene has a group";
+            notes.push(what.to_owned().into());
         }
         notes
     }
@@ -560,6 +578,17 @@ impl Prepared {
     /// Everything that shines.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// The light groups that they are of.
+    #[inline(always)]
+    pub(crate) fn groups(&self) -> &Groups {
+        &self.groups
+    }
+
+    /// How many light groups a picture with `layers` tells.
+    pub(crate) fn told_groups(&self, layers: Layers) -> usize {
+        if layers.has(Layer::Groups) { self.groups.names().len() } else { 0 }
     }
 
     /// The tree of all emitters within the scene, which is built when it is first asked for.

@@ -8,6 +8,7 @@ pub use mesh::Mesh;
 pub use rutilant_geom::custom::{CustomHit, CustomRay, CustomShape};
 
 use crate::id::{MaterialId, MeshId};
+use crate::light::LightGroup;
 use crate::material::{Emission, EmittedLight, Material};
 use crate::problem::{FINITE, POSITIVE, Place, SceneProblem};
 use rutilant_geom::{Transform, Vec2, Vec3};
@@ -25,6 +26,9 @@ pub struct Object {
     pub material: MaterialId,
     /// Where it stands. Spheres need a uniform scale; everything else takes any map but a flattening one.
     pub world_from_object: Transform,
+    /// Where its light, if it gives any, counts in a picture of light groups; where its material's
+    /// emission says if `None`.
+    pub group: Option<LightGroup>,
 }
 
 /// A shape around the origin of its own space.
@@ -60,13 +64,20 @@ pub enum Shape {
 impl Object {
     /// A shape as it is, with a material and no name.
     pub fn new(shape: Shape, material: MaterialId) -> Self {
-        Self { name: Arc::default(), shape, material, world_from_object: Transform::IDENTITY }
+        let (name, world_from_object) = (Arc::default(), Transform::IDENTITY);
+        Self { name, shape, material, world_from_object, group: None }
     }
 
     /// The same with a name.
     #[must_use]
     pub fn named(self, name: impl Into<Arc<str>>) -> Self {
         Self { name: name.into(), ..self }
+    }
+
+    /// The same with its light in this group.
+    #[must_use]
+    pub fn in_group(self, group: LightGroup) -> Self {
+        Self { group: Some(group), ..self }
     }
 
     /// The same object somewhere else: `transform` applied after what it had.

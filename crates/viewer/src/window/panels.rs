@@ -397,11 +397,11 @@ pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, camera: &AuthoredCame
                     }
                 });
                 match lamp {
-                    Light::Point { position, intensity } => {
+                    Light::Point { position, intensity, group: _ } => {
                         point(ui, "Position", position);
                         light(ui, "Intensity, W/sr", intensity);
                     }
-                    Light::Directional { direction, irradiance } => {
+                    Light::Directional { direction, irradiance, group: _ } => {
                         let before = *direction;
                         point(ui, "Direction", direction);
                         if direction.length_squared() < 1e-12 {
@@ -409,7 +409,7 @@ pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, camera: &AuthoredCame
                         }
                         light(ui, "Irradiance, W/m²", irradiance);
                     }
-                    Light::Spot { position, direction, light: amount, inner, outer } => {
+                    Light::Spot { position, direction, light: amount, inner, outer, group: _ } => {
                         point(ui, "Position", position);
                         let before = *direction;
                         point(ui, "Direction", direction);
@@ -434,7 +434,11 @@ pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, camera: &AuthoredCame
         }
         ui.horizontal(|ui| {
             if ui.button("Add a point light").clicked() {
-                lights.push(Light::Point { position: camera.position, intensity: Rgb::grey(10.0) });
+                lights.push(Light::Point {
+                    position: camera.position,
+                    intensity: Rgb::grey(10.0),
+                    group: None,
+                });
             }
             if ui.button("Add a spot").clicked() {
                 lights.push(Light::Spot {
@@ -443,11 +447,16 @@ pub(super) fn lights(ui: &mut Ui, lights: &mut Vec<Light>, camera: &AuthoredCame
                     light: SpotLight::Intensity(Rgb::grey(10.0)),
                     inner: 20_f32.to_radians(),
                     outer: 30_f32.to_radians(),
+                    group: None,
                 });
             }
             if ui.button("Add a sun").clicked() {
                 let direction = Vec3::new(-0.4, -1.0, -0.6);
-                lights.push(Light::Directional { direction, irradiance: Rgb::grey(3.0) });
+                lights.push(Light::Directional {
+                    direction,
+                    irradiance: Rgb::grey(3.0),
+                    group: None,
+                });
             }
         });
     });

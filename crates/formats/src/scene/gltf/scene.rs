@@ -225,7 +225,13 @@ impl<'d> Maker<'d> {
                 if world_from_object.inverse().is_some() {
                     let shape = Shape::Mesh(mesh);
                     let name = Arc::clone(&self.names[placed.node]);
-                    self.scene.objects.push(Object { name, shape, material, world_from_object });
+                    self.scene.objects.push(Object {
+                        name,
+                        shape,
+                        material,
+                        world_from_object,
+                        group: None,
+                    });
                 }
             }
         }
@@ -237,11 +243,20 @@ impl<'d> Maker<'d> {
         let position = world.translation();
         let direction = world.vector(Vec3::NEG_Z).normalize_or(Vec3::NEG_Z);
         self.scene.lights.push(match light.kind {
-            LightKind::Directional => Light::Directional { direction, irradiance: rgb },
-            LightKind::Point => Light::Point { position, intensity: rgb },
+            LightKind::Directional => {
+                Light::Directional { direction, irradiance: rgb, group: None }
+            }
+            LightKind::Point => Light::Point { position, intensity: rgb, group: None },
             LightKind::Spot { inner, outer } => {
                 let [inner, outer] = [inner, outer].map(in_degrees);
-                Light::Spot { position, direction, light: SpotLight::Intensity(rgb), inner, outer }
+                Light::Spot {
+                    position,
+                    direction,
+                    light: SpotLight::Intensity(rgb),
+                    inner,
+                    outer,
+                    group: None,
+                }
             }
         });
     }
@@ -290,7 +305,8 @@ impl<'d> Maker<'d> {
         if written.unlit {
             let light = EmittedLight::Radiance(color);
             let two_sided = written.double_sided;
-            let emission = Some(Emission { light, texture: base, vertex_colors, two_sided });
+            let emission =
+                Some(Emission { light, texture: base, vertex_colors, two_sided, group: None });
             return Material {
                 emission,
                 opacity,
@@ -305,6 +321,7 @@ impl<'d> Maker<'d> {
             texture: self.color(written.emissive_texture.as_ref()),
             vertex_colors: false,
             two_sided: written.double_sided,
+            group: None,
         });
         let normal_map = written.normal_texture.as_ref().map(|map| NormalMap {
             texture: self.texture(map, Encoding::Linear),

@@ -32,7 +32,7 @@ impl Maker<'_, '_> {
             None => (Rgb::WHITE, None, false),
         };
         let light = EmittedLight::Radiance(factor);
-        Ok(Emission { light, texture, vertex_colors, two_sided: false })
+        Ok(Emission { light, texture, vertex_colors, two_sided: false, group: None })
     }
 
     /// A light that is no shape's.
@@ -52,7 +52,7 @@ impl Maker<'_, '_> {
                 let to_world = self.stand(emitter)?;
                 let intensity = self.even_color(emitter, "intensity", Use::Light)?;
                 let intensity = intensity.unwrap_or(Rgb::WHITE);
-                Light::Point { position: single(to_world.translation), intensity }
+                Light::Point { position: single(to_world.translation), intensity, group: None }
             }
             "spot" => {
                 let to_world = self.stand(emitter)?;
@@ -74,6 +74,7 @@ impl Maker<'_, '_> {
                     light: SpotLight::Intensity(intensity.unwrap_or(Rgb::WHITE)),
                     inner: inner.to_radians(),
                     outer: outer.to_radians(),
+                    group: None,
                 }
             }
             "directional" => {
@@ -85,7 +86,7 @@ impl Maker<'_, '_> {
                 };
                 let irradiance = self.even_color(emitter, "irradiance", Use::Light)?;
                 let irradiance = irradiance.unwrap_or(Rgb::WHITE);
-                Light::Directional { direction: single(direction), irradiance }
+                Light::Directional { direction: single(direction), irradiance, group: None }
             }
             _ => return Err(emitter.unknown(KNOWN)),
         };
@@ -131,7 +132,7 @@ impl Maker<'_, '_> {
         let light = EnvironmentLight::Image { image, projection: Projection::Equirectangular };
         // The middle of the picture lies at +z in Mitsuba, and at −z here: half a turn away.
         let rotation = (180.0 + heading_degrees(&(self.turn * to_world))).to_radians();
-        self.sky(emitter, Environment { light, scale, rotation })
+        self.sky(emitter, Environment { light, scale, rotation, group: None })
     }
 }
 

@@ -159,7 +159,13 @@ impl Maker<'_, '_> {
                 return Err(shape.document.invalid(shape.place(), what));
             };
             let (name, shape) = (Arc::clone(&name), body);
-            self.scene.objects.push(Object { name, shape, material, world_from_object });
+            self.scene.objects.push(Object {
+                name,
+                shape,
+                material,
+                world_from_object,
+                group: None,
+            });
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
+use super::light_group;
 use super::said::{self, Group, Said, color, degrees, number};
 use super::table::{Table, Value};
 use crate::error::SceneError;
@@ -40,6 +41,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
         light,
         scale: table.or("scale", Value::number, 1.0)?,
         rotation: table.or("rotation_degrees", Value::number, 0.0)?.to_radians(),
+        group: light_group::of(table)?,
     });
     draft.places.insert(Place::Environment, *table);
     Ok(())
@@ -76,5 +78,6 @@ pub(super) fn keys_of(sky: &Environment, image_names: &[String]) -> Vec<Group> {
         Group::of(&["image", "projection", "color"], light),
         Group::or(&["scale"], number(sky.scale), "1"),
         Group::or(&["rotation_degrees"], degrees(sky.rotation), "0"),
+        light_group::key_of(sky.group),
     ]
 }

@@ -42,7 +42,7 @@ pub(super) const PERSPECTIVE: &[&str] =
 pub(super) const ORTHOGRAPHIC: &[&str] = &["height"];
 
 pub(super) const ENVIRONMENT: &[&str] =
-    &["image", "projection", "color", "scale", "rotation_degrees"];
+    &["image", "projection", "color", "scale", "rotation_degrees", "group"];
 
 pub(super) const ANY_TEXTURE: &[&str] =
     &["name", "type", "uv_scale", "uv_rotation_degrees", "uv_offset", "uv_set"];
@@ -60,7 +60,7 @@ pub(super) const OPACITY: &[&str] =
 
 pub(super) const ANY_MATERIAL: &[&str] = &["name", "type", "single_sided"];
 pub(super) const EMISSION: &[&str] =
-    &["radiance", "power", "strength", "two_sided", "texture", "image", "vertex_colors"];
+    &["radiance", "power", "strength", "two_sided", "texture", "image", "vertex_colors", "group"];
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map", "bump_map"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
@@ -116,6 +116,7 @@ pub(super) const ANY_SHAPE: &[&str] = &[
     "name",
     "type",
     "material",
+    "group",
     "translate",
     "rotate_degrees",
     "rotate",
@@ -132,7 +133,7 @@ pub(super) const MESH: &[&str] =
 pub(super) const FIT: &[&str] = &["up", "size", "axis", "on_floor", "center"];
 pub(super) const ROTATE: &[&str] = &["axis", "degrees"];
 
-pub(super) const ANY_LIGHT: &[&str] = &["type"];
+pub(super) const ANY_LIGHT: &[&str] = &["type", "group"];
 pub(super) const POINT: &[&str] = &["position", "intensity"];
 pub(super) const SPOT: &[&str] =
     &["position", "direction", "look_at", "intensity", "power", "outer_degrees", "inner_degrees"];

@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
+use super::light_group;
 use super::said::{self, Group, Said, color, degrees, triple};
 use super::table::{Table, Value};
 use crate::error::SceneError;
@@ -24,6 +25,7 @@ const OUTER_DEGREES: f32 = 45.0;
 const INNER_DEGREES: f32 = 0.0;
 
 pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneError> {
+    let group = light_group::of(table)?;
     let light = match table.must("type", |v| v.one_of("light type", TYPES))? {
         Type::Point => {
             let table = table.named("a point light");
@@ -31,6 +33,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
             Light::Point {
                 position: table.must("position", Value::triple)?,
                 intensity: table.must("intensity", Value::color)?,
+                group,
             }
         }
         Type::Spot => {
@@ -51,7 +54,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
             let degrees = |key, default| table.or(key, Value::number, default);
             let outer = degrees("outer_degrees", OUTER_DEGREES)?.to_radians();
             let inner = degrees("inner_degrees", INNER_DEGREES)?.to_radians();
-            Light::Spot { position, direction, light, inner, outer }
+            Light::Spot { position, direction, light, inner, outer, group }
         }
         Type::Directional => {
             let table = table.named("a directional light");
@@ -59,6 +62,7 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
             Light::Directional {
                 direction: table.must("direction", Value::triple)?,
                 irradiance: table.must("irradiance", Value::color)?,
+                group,
             }
         }
     };
@@ -70,13 +74,13 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
 /// The keys that say all of a light.
 pub(super) fn keys_of(light: &Light) -> Vec<Group> {
     let kind = |name: &str| Group::one(&["type"], said::text(name));
-    match *light {
-        Light::Point { position, intensity } => vec![
+    let mut groups = match *light {
+        Light::Point { position, intensity, group: _ } => vec![
             kind("point"),
             Group::of(AIM, [Said::new("position", triple(position))]),
             Group::of(LIGHT, [Said::new("intensity", color(intensity))]),
         ],
-        Light::Spot { position, direction, light, inner, outer } => vec![
+        Light::Spot { position, direction, light, inner, outer, group: _ } => vec![
             kind("spot"),
             // What a spot looks at is a direction from where it is.
             Group::of(
@@ -96,12 +100,14 @@ pub(super) fn keys_of(light: &Light) -> Vec<Group> {
             Group::or(&["outer_degrees"], degrees(outer), &said::number(OUTER_DEGREES)),
             Group::or(&["inner_degrees"], degrees(inner), &said::number(INNER_DEGREES)),
         ],
-        Light::Directional { direction, irradiance } => vec![
+        Light::Directional { direction, irradiance, group: _ } => vec![
             kind("directional"),
             Group::of(AIM, [Said::new("direction", triple(direction))]),
             Group::one(&["irradiance"], color(irradiance)),
         ],
-    }
+    };
+    groups.push(light_group::key_of(light.group()));
+    groups
 }
 
 const AIM: &[&str] = &["position", "direction", "look_at"];

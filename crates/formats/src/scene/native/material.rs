@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 use super::keys;
+use super::light_group;
 use super::said::{self, Group, Said, Written, color, degrees, number};
 use super::table::{Table, Value};
 use super::texture;
@@ -212,6 +213,7 @@ fn emission<'d>(
         texture,
         vertex_colors: table.or("vertex_colors", Value::flag, false)?,
         two_sided: table.or("two_sided", Value::flag, false)?,
+        group: light_group::of(table)?,
     })
 }
 
@@ -612,7 +614,7 @@ fn keys_of_absorption(absorption: &Absorption) -> Group {
     Group::of(&["sigma_a", "absorption_color", "absorption_distance"], says)
 }
 
-fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 4] {
+fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 5] {
     let light = match emission.light {
         EmittedLight::Radiance(rgb) => Said::new("radiance", color(rgb)),
         EmittedLight::Power(rgb) => Said::new("power", color(rgb)),
@@ -622,5 +624,6 @@ fn keys_of_emission(emission: &Emission, names: &[TextureName]) -> [Group; 4] {
         texture::said_texture(emission.texture, names),
         Group::or(&["vertex_colors"], emission.vertex_colors.to_string(), "false"),
         Group::or(&["two_sided"], emission.two_sided.to_string(), "false"),
+        light_group::key_of(emission.group),
     ]
 }

@@ -16,6 +16,7 @@ mod instances;
 mod keys;
 mod layout;
 mod light;
+mod light_group;
 mod material;
 mod placing;
 mod render;

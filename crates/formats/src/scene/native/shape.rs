@@ -2,7 +2,7 @@
 
 use super::draft::{Draft, MeshFile, Part};
 use super::table::{Table, Value};
-use super::{instances, keys, material, placing};
+use super::{instances, keys, light_group, material, placing};
 use crate::error::SceneError;
 use crate::file;
 use crate::options::ReadOptions;
@@ -61,13 +61,13 @@ pub(super) fn read<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), S
         }
     };
     let material = table.must("material", |v| material::named(v, &draft.materials))?;
-    let name = name_of(&table)?;
+    let (name, group) = (name_of(&table)?, light_group::of(&table)?);
     let world_from_object = placing::transform(&table)?;
     for (place, moved) in instances::places(&table, draft)? {
         let world_from_object = placing::after(moved, world_from_object);
         let shape = shape.clone();
         let name = Arc::clone(&name);
-        draft.add_object(&place, Object { name, shape, material, world_from_object })?;
+        draft.add_object(&place, Object { name, shape, material, world_from_object, group })?;
     }
     Ok(())
 }
@@ -90,7 +90,7 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
         }
     };
 
-    let name = name_of(table)?;
+    let (name, group) = (name_of(table)?, light_group::of(table)?);
     let fitted = table.maybe("fit", |value| placing::fit(value, mesh.bounds))?;
     let fitted = fitted.unwrap_or(Transform::IDENTITY);
     let world_from_object = placing::after(placing::transform(table)?, fitted);
@@ -103,7 +103,7 @@ fn read_mesh<'d>(table: &Table<'d>, draft: &mut Draft<'d>) -> Result<(), SceneEr
             let shape = Shape::Mesh(part.mesh);
             let name = if name.is_empty() { &part.name } else { &name };
             let name = Arc::clone(name);
-            draft.add_object(&place, Object { name, shape, material, world_from_object })?;
+            draft.add_object(&place, Object { name, shape, material, world_from_object, group })?;
         }
     }
     Ok(())

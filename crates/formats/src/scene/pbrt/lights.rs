@@ -146,7 +146,7 @@ impl Maker<'_> {
         let is_black = match light {
             EmittedLight::Radiance(rgb) | EmittedLight::Power(rgb) => rgb == Rgb::BLACK,
         };
-        let emission = Emission { light, texture, vertex_colors: false, two_sided };
+        let emission = Emission { light, texture, vertex_colors: false, two_sided, group: None };
         Ok((!is_black).then_some(emission))
     }
 
@@ -179,7 +179,10 @@ impl Maker<'_> {
                         parameters.ignore(&["filename", "mapname"]);
                     }
                     let scale = scale * power.map_or(1.0, |power| power / (4.0 * PI));
-                    self.light(place, Light::Point { position, intensity: bounded(color, scale) });
+                    self.light(
+                        place,
+                        Light::Point { position, intensity: bounded(color, scale), group: None },
+                    );
                 }
                 "spot" => {
                     let (color, scale) = self.light_of(parameters, "I")?;
@@ -194,7 +197,10 @@ impl Maker<'_> {
                     if direction == Vec3::ZERO {
                         return Err(self.texts.invalid(place, "this spot light has no direction"));
                     }
-                    self.light(place, Light::Spot { position, direction, light, inner, outer });
+                    self.light(
+                        place,
+                        Light::Spot { position, direction, light, inner, outer, group: None },
+                    );
                 }
                 "distant" => {
                     let (color, scale) = self.light_of(parameters, "L")?;
@@ -205,7 +211,7 @@ impl Maker<'_> {
                             .invalid(place, "this distant light has no direction"));
                     }
                     let irradiance = bounded(color, scale);
-                    self.light(place, Light::Directional { direction, irradiance });
+                    self.light(place, Light::Directional { direction, irradiance, group: None });
                 }
                 "infinite" | "exinfinite" => {
                     let (color, scale) = self.light_of(parameters, "L")?;
@@ -316,7 +322,7 @@ impl Maker<'_> {
         self.image_names.push(name);
         self.image_origins.push(origin);
         let light = EnvironmentLight::Image { image, projection };
-        self.scene.environment = Some(Environment { light, scale, rotation: 0.0 });
+        self.scene.environment = Some(Environment { light, scale, rotation: 0.0, group: None });
         if place.text == 0 {
             self.lines.insert(rutilant::scene::Place::Environment, place.line);
         }

@@ -450,7 +450,7 @@ impl<'d> Maker<'d> {
             self.lines.insert(scene::Place::Object(number), place.line);
         }
         let (shape, material) = (ready.shape.clone(), ready.material);
-        self.scene.objects.push(Object { name, shape, material, world_from_object });
+        self.scene.objects.push(Object { name, shape, material, world_from_object, group: None });
     }
 
     /// Reads pictures, and holds everything against what a scene must be.

@@ -5,6 +5,7 @@ use super::paths::{PathPacket, add};
 use crate::color::Spectrum;
 use crate::integrator::Path;
 use crate::integrator::dimension::Bounce;
+use crate::integrator::estimate::GroupLight;
 use crate::lanes::{bits, mask, put, transmittances};
 use crate::light::{EmitterSelection, FlatEmitter, ShadingPoint};
 use crate::medium::Media;
@@ -23,6 +24,8 @@ struct Ways<S: Simd> {
     radiance: Xyz8<S>,
     /// Of choosing the light and the point on it.
     pdf: f32x8<S>,
+    /// The numbers of the lights.
+    emitters: [u32; LANES],
     /// Where light arrives, a bit for each.
     some: u32,
     delta: u32,
@@ -32,7 +35,7 @@ struct Ways<S: Simd> {
 }
 
 impl Path<'_> {
-    /// Adds to `radiance` what arrives at each of the surfaces from one light.
+    /// Adds to `radiance`, and to its `groups`, what arrives at each of the surfaces from one light.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the state of the paths, and nothing else")]
     pub(super) fn direct_lights<S: Simd, N: Sampler>(
@@ -46,6 +49,7 @@ impl Path<'_> {
         bounce: Bounce,
         throughput: Xyz8<S>,
         radiance: &mut [Spectrum],
+        groups: &mut GroupLight,
         media: &[Media],
         rays: &mut u64,
     ) {
@@ -131,7 +135,11 @@ impl Path<'_> {
         }
         let light = throughput.times(arrives);
         for lane in each_lane(free) {
-            add(radiance, paths.slot[lane], light.lane(lane).to_array().into());
+            let (slot, light) = (paths.slot[lane], light.lane(lane).to_array().into());
+            add(radiance, slot, light);
+            if groups.are_told() {
+                groups.add(slot, scene.groups().of(ways.emitters[lane] as usize), light);
+            }
         }
     }
 
@@ -192,6 +200,7 @@ impl Path<'_> {
             wi: flat.wi,
             radiance: flat.radiance,
             pdf: flat.pdf,
+            emitters: chosen.map(|(number, _)| number as u32),
             end: flat.end,
             some: some & !others & bits(flat.some),
             delta: 0,

@@ -87,7 +87,7 @@ impl Path<'_> {
         media: &mut [Media],
         rays: &mut u64,
     ) {
-        let Found { radiance, emission, direct, objects, firsts, .. } = found;
+        let Found { radiance, emission, direct, groups, objects, firsts, .. } = found;
         let there = paths.rays.there();
         *rays += u64::from(there.count_ones());
 
@@ -119,11 +119,15 @@ impl Path<'_> {
                 met.emission(scene, lane, -ray.direction)
             };
             if let Some(seen) = seen {
+                let emitter = seen.emitter;
                 let (previous, lead) = (paths.previous(lane), paths.lead(lane));
                 let seen = self.weighted(scene, &seen, &ray, previous.as_ref(), lead, &mut ());
                 let through = Spectrum::from(throughput.lane(lane).to_array());
                 let slot = paths.slot[lane];
                 add(radiance, slot, through * seen);
+                if groups.are_told() {
+                    groups.add(slot, scene.groups().of(emitter), through * seen);
+                }
                 let part = match depth {
                     1 => emission.get_mut(slot as usize),
                     2 => direct.get_mut(slot as usize),
@@ -144,8 +148,8 @@ impl Path<'_> {
         let bounce = Bounce::at(depth);
         if met.spread & alive != 0 {
             self.direct_lights(
-                simd, scene, paths, &met, &surface, alive, bounce, throughput, radiance, media,
-                rays,
+                simd, scene, paths, &met, &surface, alive, bounce, throughput, radiance, groups,
+                media, rays,
             );
         }
 

@@ -11,7 +11,7 @@ mod objects;
 mod same;
 
 use super::said::{self, Group, Written, number, numbers, triple};
-use super::{camera, environment, light, material, placing, render, texture};
+use super::{camera, environment, light, light_group, material, placing, render, texture};
 use crate::camera::AuthoredCamera;
 use crate::converted::{Content, Converted};
 use crate::error::{SceneError, SceneErrorKind};
@@ -360,6 +360,7 @@ impl Writer<'_> {
             Shape::Custom(_) => Vec::new(),
         };
         groups.push(Group::one(&["material"], said::text(material)));
+        groups.push(light_group::key_of(object.group));
         // Places that are told together keep a name that all of them have: their own or the mesh's.
         let shared = group.iter().all(|i| scene.objects[*i].name == object.name);
         let called = match &object.shape {

@@ -5,6 +5,7 @@
 //! chooses which; so pictures keep their bits. Other shapes are taken together only where many
 //! follow each other.
 
+use rutilant::light::LightGroup;
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::shape::Shape;
 use std::collections::HashMap;
@@ -12,9 +13,9 @@ use std::collections::HashMap;
 /// From so many on, shapes that are no meshes are instances of one.
 const MANY: usize = 4;
 
-/// The kind of a shape, the bits of its sizes, and its material: what one `[[shape]]` says of all its
+/// The kind of a shape, the bits of its sizes, its material, and its light group: what one `[[shape]]` says of all its
 /// places.
-type Key = (u8, [u32; 3], MaterialId);
+type Key = (u8, [u32; 3], MaterialId, Option<LightGroup>);
 
 /// The numbers of objects that are to be placed by one shape each, in the order in which they are to
 /// be written. Custom shapes are left out.
@@ -34,7 +35,7 @@ pub(super) fn grouped(scene: &Scene) -> Vec<Vec<usize>> {
         };
         let material = scene.materials.get(object.material.0 as usize);
         let glows = material.is_some_and(|material| material.emission.is_some());
-        let key = (kind, sizes, object.material);
+        let key = (kind, sizes, object.material, object.group);
         let known = latest.get(&key).copied().filter(|&group| {
             let follows = previous == Some(group);
             follows || (is_mesh && (!glows || glowing == Some(group)))

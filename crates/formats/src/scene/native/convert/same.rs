@@ -99,7 +99,8 @@ pub(super) fn difference(read: &LoadedScene, meant: &Meant<'_>) -> Option<String
             (a, b) => alike(a, b),
         };
         let same_place = placing::is_same(&object.world_from_object, &old.world_from_object);
-        if !same_shape || !same_place || object.material != old.material {
+        let same_look = object.material == old.material && object.group == old.group;
+        if !same_shape || !same_place || !same_look {
             return Some(format!("shape {number}"));
         }
     }
