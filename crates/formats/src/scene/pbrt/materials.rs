@@ -499,7 +499,7 @@ impl Maker<'_> {
             .into());
         }
         let Metal { eta, k } = self.metal(parameters, "")?;
-        Ok(Conductor { eta, k, roughness: rough.roughness }.into())
+        Ok(Conductor::new(eta, k, rough.roughness).into())
     }
 
     /// The index of a metal.
