@@ -376,16 +376,16 @@ fn metals() -> Scene {
     let mut s = looking([0.0, 1.2, 4.0], [0.0, 0.5, 0.0]);
     s.environment = Some(Environment::constant(Rgb::new(0.5, 0.6, 0.7)));
     let white = matte(&mut s, 0.6, 0.6, 0.6);
-    let gold = s.add_material(Conductor {
-        eta: Rgb::new(0.143, 0.375, 1.442),
-        k: Rgb::new(3.983, 2.386, 1.603),
-        roughness: 0.0,
-    });
-    let copper = s.add_material(Conductor {
-        eta: Rgb::new(0.200, 0.924, 1.102),
-        k: Rgb::new(3.912, 2.452, 2.142),
-        roughness: 0.0,
-    });
+    let gold = s.add_material(Conductor::new(
+        Rgb::new(0.143, 0.375, 1.442),
+        Rgb::new(3.983, 2.386, 1.603),
+        0.0,
+    ));
+    let copper = s.add_material(Conductor::new(
+        Rgb::new(0.200, 0.924, 1.102),
+        Rgb::new(3.912, 2.452, 2.142),
+        0.0,
+    ));
     let light = lamp(&mut s, 3.0);
     put(&mut s, rectangle(8.0, 8.0), white, floor_at(0.0));
     put(&mut s, ball(0.6), gold, at(-0.7, 0.6, 0.0));

@@ -2,7 +2,7 @@
 
 use rutilant_conformance::references;
 
-/// With one sample per pixel, the means of squares of 32 × 32 pixels, and of the whole pictures.
+/// With four samples per pixel, the means of squares of 32 × 32 pixels, and of the whole pictures.
 /// A wrong unit, side, angle or transform is none of the renderer's own proofs' business, but
 /// shows here. Needs pictures that do not ship: see `references`.
 #[test]
@@ -12,7 +12,9 @@ fn scenes_look_as_in_another_renderer() {
         return;
     };
     for reference in references::ALL.iter().filter(|reference| reference.same) {
-        match reference.measure(&data, 1, 32, 2).unwrap() {
+        let measured = reference.measure(&data, 4, 32, 2).unwrap();
+        println!("{}: {measured:?}", reference.name);
+        match measured {
             None => eprintln!("SKIPPED: {} is absent", reference.picture),
             Some(measured) => assert!(measured.agrees(), "{}: {measured:?}", reference.name),
         }
@@ -28,7 +30,9 @@ fn scenes_of_others_look_as_in_another_renderer() {
         return;
     };
     for reference in references::FOREIGN {
-        match reference.measure(&data, 2, 40, 2).unwrap() {
+        let measured = reference.measure(&data, 2, 40, 2).unwrap();
+        println!("{}: {measured:?}", reference.scene);
+        match measured {
             None => eprintln!("SKIPPED: {} is absent", reference.scene),
             Some(measured) => assert!(measured.agrees(), "{}: {measured:?}", reference.scene),
         }

@@ -5,9 +5,9 @@
 //! precision, reduced to a small range, and put into a polynomial there: only
 //! additions, multiplications, divisions and square roots, which IEEE 754
 //! defines to the last bit, and never a fused multiply-add. The result is
-//! rounded to single precision once. Rare arguments (sines beyond 2²⁷, powers
-//! of negative numbers) go to the double precision functions of `libm`, which
-//! are plain arithmetic as well.
+//! rounded to single precision once. What is rare (sines beyond 2²⁷, powers of
+//! negative numbers, the error function) goes to the double precision functions
+//! of `libm`, which are plain arithmetic as well.
 //!
 //! Own polynomials rather than `libm` throughout, because double precision
 //! inside makes them both simpler and more exact: every function is within
@@ -143,6 +143,11 @@ pub fn log2(x: f32) -> f32 {
         Some((k, log)) => (k + log * LOG2_E) as f32,
         None => logarithm_at_the_edge(x),
     }
+}
+
+/// The error function: 2/√π times the integral of exp(−t²) from 0 to `x`.
+pub fn erf(x: f32) -> f32 {
+    libm::erf(f64::from(x)) as f32
 }
 
 /// `x` to the power of `y`, with the special cases of IEEE 754.

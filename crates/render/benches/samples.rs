@@ -104,7 +104,7 @@ fn pictures(c: &mut Criterion) {
     const SPP: u64 = 8;
     let mut group = c.benchmark_group("pictures");
     group.throughput(Throughput::Elements(u64::from(SIDE * SIDE) * SPP)).sample_size(20);
-    let gold = Conductor { eta: Rgb::grey(0.2), k: Rgb::grey(3.0), roughness: 0.3 };
+    let gold = Conductor::new(Rgb::grey(0.2), Rgb::grey(3.0), 0.3);
     let materials: [(&str, Material); 3] = [
         ("matte", Matte::new(Rgb::grey(0.5)).into()),
         ("glass", Dielectric::new(1.5).into()),

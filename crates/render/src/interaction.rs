@@ -137,6 +137,21 @@ impl SurfaceInteraction {
         self.smooth_position
     }
 
+    /// True where those start elsewhere than on the true surface.
+    pub(crate) fn is_lifted(&self) -> bool {
+        self.smooth_position != self.position
+    }
+
+    /// The way from the true surface to where they start.
+    pub(crate) fn lift(&self) -> Ray {
+        Ray::between(self.surface_origin(false), self.reflected_origin())
+    }
+
+    /// The same where they start on the true surface.
+    pub(crate) fn unlifted(self) -> Self {
+        Self { smooth_position: self.position, ..self }
+    }
+
     /// The origin of a ray that was scattered diffusely to the side that `wo` is on.
     pub fn reflected_origin(&self) -> Vec3 {
         offset_origin(self.smooth_position, self.normal, self.wo)

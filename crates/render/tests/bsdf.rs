@@ -9,9 +9,9 @@ use common::{
     well_spread,
 };
 use rutilant::bsdf::{
-    Bsdf, Fresnel, Ggx, Lambert, Lobe, OrenNayar, PerfectMirror, PrincipledParameters,
-    RoughConductor, RoughDielectric, SmoothConductor, SmoothDielectric, ThinDielectric,
-    UniformLambert,
+    Bsdf, Distribution, Fresnel, Ggx, Lambert, Lobe, OrenNayar, PerfectMirror,
+    PrincipledParameters, RoughConductor, RoughDielectric, SmoothConductor, SmoothDielectric,
+    ThinDielectric, UniformLambert,
 };
 use rutilant::color::Spectrum;
 use rutilant::geom::{Vec2, Vec3};
@@ -37,6 +37,10 @@ fn all() -> Vec<Entry> {
     let clay = |albedo: f32, r| Lobe::OrenNayar(OrenNayar::new(Spectrum::splat(albedo), r));
     let rough_gold = Lobe::RoughConductor(RoughConductor::new(gold.eta, gold.k, 0.4).unwrap());
     let frosted = |eta, r| Lobe::RoughDielectric(RoughDielectric::new(eta, r).unwrap());
+    let beckmann = Distribution::Beckmann;
+    let beckmann_gold =
+        Lobe::RoughConductor(RoughConductor::with(beckmann, gold.eta, gold.k, 0.4).unwrap());
+    let ground = |eta, r| Lobe::RoughDielectric(RoughDielectric::with(beckmann, eta, r).unwrap());
     let pane = |ior, color: [f32; 3]| Lobe::ThinDielectric(ThinDielectric::new(ior, color.into()));
     let entry =
         |name: &'static str, bsdf, white| Entry { name: name.into(), bsdf, white, layers: false };
@@ -65,6 +69,9 @@ fn all() -> Vec<Entry> {
         entry("bubble", glass(1.0 / 1.33, Fresnel::Exact).into(), true),
         entry("nothing", glass(1.0, Fresnel::Exact).into(), true),
         entry("frosted glass", frosted(1.5, 0.5).into(), true),
+        entry("gold by Beckmann", beckmann_gold.into(), false),
+        entry("glass by Beckmann", ground(1.5, 0.6).into(), false),
+        entry("bubble by Beckmann", ground(1.0 / 1.33, 0.5).into(), false),
         entry("rough bubble", frosted(1.0 / 1.33, 0.6).into(), true),
         entry("window", pane(1.5, [1.0; 3]).into(), true),
         entry("film of nothing", pane(1.0, [1.0; 3]).into(), true),
@@ -185,6 +192,33 @@ fn rough_ones() -> Vec<Rough> {
     all
 }
 
+/// Facets that lose light, over a part of the same grid.
+fn beckmann_ones() -> Vec<Rough> {
+    let mut all = Vec::new();
+    for (i, roughness) in ROUGHNESSES.into_iter().enumerate() {
+        let alpha = Some(roughness * roughness);
+        let mut add = |name: String, lobe: Lobe, eta| {
+            let name = format!("{name} {roughness} by Beckmann");
+            let entry = Entry { name, bsdf: lobe.into(), white: false, layers: false };
+            all.push(Rough { entry, alpha, eta });
+        };
+        let (distribution, white) = (Distribution::Beckmann, Spectrum::WHITE);
+        let metal = RoughConductor::with(distribution, Spectrum::BLACK, white, roughness);
+        add("metal".to_owned(), Lobe::RoughConductor(metal.unwrap()), 1.0);
+        let eta = INDICES[i % INDICES.len()];
+        let eta = if i % 2 == 0 { eta } else { 1.0 / eta };
+        let glass = RoughDielectric::with(distribution, eta, roughness).unwrap();
+        add(format!("glass of {eta}"), Lobe::RoughDielectric(glass), eta);
+    }
+    all
+}
+
+/// All of them.
+fn everything() -> impl Iterator<Item = Rough> {
+    let simple = all().into_iter().map(|entry| Rough { entry, alpha: None, eta: 1.0 });
+    simple.chain(rough_ones()).chain(beckmann_ones())
+}
+
 /// Directions over both sides, up to a tenth of a degree from the surface.
 fn steep_and_grazing() -> Vec<Vec3> {
     let degrees = [0.0_f32, 20.0, 45.0, 60.0, 75.0, 85.0, 89.0, 89.9];
@@ -227,6 +261,7 @@ fn rough_samples_follow_the_density() {
         .enumerate()
         .filter(|(i, rough)| rough.eta == 1.0 || i % 3 == 0)
         .map(|(_, rough)| rough)
+        .chain(beckmann_ones())
         .collect();
     let tests = grid.len() * wos.len();
     assert!(tests >= 200, "{tests} are too few");
@@ -318,10 +353,29 @@ fn rough_white_surfaces_vanish_in_the_furnace() {
     assert!(worst.0 < 0.005, "off by {}: {}", worst.0, worst.1);
 }
 
+/// Facets of Beckmann send on no more than there is, and hardly less where they are hardly rough.
+#[test]
+fn beckmanns_facets_make_no_light() {
+    for Rough { entry, alpha, .. } in beckmann_ones() {
+        for wo in steep_and_grazing() {
+            let n = 1 << 13;
+            let worth = (0..n).filter_map(|i| {
+                let (choice, u) = well_spread(i);
+                let s = entry.bsdf.sample(wo, choice, u)?;
+                Some(f64::from(s.weight.channels()[0] * (s.eta * s.eta)))
+            });
+            let sent = worth.sum::<f64>() / n as f64;
+            assert!(sent < 1.005, "{} at {wo} sends back {sent}", entry.name);
+            let steep = wo.z.abs() > 0.9 && alpha.is_some_and(|alpha| alpha < 0.01);
+            assert!(!steep || sent > 0.99, "{} at {wo} sends back {sent}", entry.name);
+        }
+    }
+}
+
 /// Value, density and weight of a sample say the same.
 #[test]
 fn weights_are_value_over_density() {
-    for entry in all().into_iter().chain(rough_ones().into_iter().map(|r| r.entry)) {
+    for entry in everything().map(|rough| rough.entry) {
         for wo in all_sides() {
             for i in 0..200 {
                 let (choice, u) = random(3, i);
@@ -353,7 +407,9 @@ fn scattering_is_reciprocal() {
         };
         Rough { entry: e, alpha: None, eta }
     };
-    for Rough { entry, eta, .. } in all().into_iter().map(even).chain(rough_ones()) {
+    for Rough { entry, eta, .. } in
+        all().into_iter().map(even).chain(rough_ones()).chain(beckmann_ones())
+    {
         for wo in all_sides() {
             for i in 0..100 {
                 let (choice, u) = random(5, i);
@@ -433,7 +489,7 @@ fn edges_give_numbers_or_nothing() {
     wos.push(Vec3::new(0.8, -0.6, f32::MIN_POSITIVE));
     let rounded_up = Vec3::new(5e-5, -3e-5, 1.0 + f32::EPSILON);
     wos.extend([rounded_up, -rounded_up]);
-    for entry in all().into_iter().chain(rough_ones().into_iter().map(|r| r.entry)) {
+    for entry in everything().map(|rough| rough.entry) {
         for &wo in &wos {
             for wi in [rounded_up, -rounded_up] {
                 let (value, pdf) = entry.bsdf.eval_cos_pdf(wo, wi);
@@ -538,6 +594,7 @@ fn what_cannot_be_resolved_is_left_to_smooth_lobes() {
     assert!(RoughConductor::new(eta, k, 0.99 * least).is_none());
     assert!(RoughConductor::new(eta, k, 1.01 * least).is_some());
     assert!(RoughDielectric::new(1.5, 0.99 * least).is_none());
+    assert!(RoughConductor::with(Distribution::Beckmann, eta, k, 0.99 * least).is_none());
     for nearly_equal in [1.0, 1.02, 1.0 / 1.02] {
         assert!(RoughDielectric::new(nearly_equal, 1.0).is_none());
     }

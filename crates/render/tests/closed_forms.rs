@@ -672,7 +672,7 @@ fn depth_counts_segments() {
 #[test]
 fn white_balls_vanish_under_an_even_sky() {
     let glass = |roughness| Material::from(Dielectric { roughness, ..Dielectric::new(1.5) });
-    let metal = |roughness| Material::from(Conductor { eta: Rgb::BLACK, k: Rgb::WHITE, roughness });
+    let metal = |roughness| Material::from(Conductor::new(Rgb::BLACK, Rgb::WHITE, roughness));
     let clay = Material::from(Matte { roughness: 1.0, ..Matte::new(Rgb::WHITE) });
     let even =
         Material::from(Matte { sampling: HemisphereSampling::Uniform, ..Matte::new(Rgb::WHITE) });

@@ -6,14 +6,15 @@ mod common;
 
 use common::{mean, render, small};
 use rutilant::Prepared;
-use rutilant::camera::Perspective;
+use rutilant::camera::{Orthographic, Perspective};
 use rutilant::color::Rgb;
-use rutilant::geom::{Transform, Vec2, Vec3};
+use rutilant::geom::{Transform, Vec2, Vec3, real};
 use rutilant::light::Environment;
 use rutilant::material::{Absorption, Dielectric, Emission, Material, Matte, Medium};
 use rutilant::scene::{MaterialId, Scene};
 use rutilant::settings::{IntegratorKind, Settings, Strategy};
 use rutilant::shape::{Mesh, Object, Shape};
+use std::f32::consts::{PI, TAU};
 
 /// A medium with a priority.
 fn medium(ior: f32, sigma: f32, priority: u32) -> Dielectric {
@@ -505,4 +506,51 @@ fn borders_modelled_one_by_one_leave_the_camera_in_the_air() {
         let image = render(&scene, small(16));
         assert_eq!(image.channel("G").unwrap()[0], 1.0, "{exterior:?}");
     }
+}
+
+/// A white ball of triangles that looks round, in a shell of glass that lies nearer to it than the
+/// ball's triangles to what they stand for. What sends on all light shows as much of an even sky as
+/// there is. Rays that start on the ball as it looks, and not as it is, would be inside of the glass
+/// without having come in, and most of them never get out: a third of the light would be left.
+#[test]
+fn a_white_ball_close_under_glass_vanishes_in_the_furnace() {
+    let ball = |radius: f32, turned: bool| {
+        let (rings, segments) = (10_u32, 20_u32);
+        let mut mesh = Mesh::default();
+        for i in 0..=rings {
+            let (ring, height) = real::sin_cos(PI * i as f32 / rings as f32);
+            for j in 0..segments {
+                let (y, x) = real::sin_cos(TAU * j as f32 / segments as f32);
+                let out = Vec3::new(ring * x, ring * y, height);
+                mesh.positions.push(radius * out);
+                mesh.normals.push(out);
+            }
+        }
+        for i in 0..rings {
+            for j in 0..segments {
+                let at = |i: u32, j: u32| i * segments + j % segments;
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        if turned {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        }
+        mesh
+    };
+    let camera = Orthographic::look_at(3.0 * Vec3::Z, Vec3::ZERO, 1.2).unwrap();
+    let mut scene = Scene::new(camera);
+    scene.environment = Some(Environment::constant(Rgb::WHITE));
+    let white = scene.add_material(Matte::new(Rgb::WHITE));
+    let glass = scene.add_material(Dielectric::new(1.5));
+    let flat = |mesh: Mesh| Mesh { normals: Vec::new(), ..mesh };
+    let within = (ball(1.0, false), white);
+    let shell = [(1.002, true), (1.05, false)].map(|(r, turned)| (flat(ball(r, turned)), glass));
+    for (mesh, material) in std::iter::once(within).chain(shell) {
+        let mesh = scene.add_mesh(mesh);
+        scene.objects.push(Object::new(Shape::Mesh(mesh), material));
+    }
+    let settings = Settings { max_depth: Some(300), ..small(256) };
+    let (seen, _) = mean(&render(&scene, settings), "G");
+    assert!((seen - 1.0).abs() < 0.02, "{seen}");
 }

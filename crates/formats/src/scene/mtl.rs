@@ -745,7 +745,7 @@ fn gloss(reflectance: Rgb, roughness: f32) -> MaterialKind {
     // Gulbrandsen 2014, with an edge tint of 1: n and k of which normal incidence gives r.
     let eta = Rgb(reflectance.0.map(|r| (1.0 - r) / (1.0 + r)));
     let k = Rgb(reflectance.0.map(|r| 2.0 * r.sqrt() / (1.0 + r)));
-    MaterialKind::Conductor(Conductor { eta, k, roughness })
+    MaterialKind::Conductor(Conductor::new(eta, k, roughness))
 }
 
 /// The brightest channel.

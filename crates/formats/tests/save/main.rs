@@ -4,7 +4,7 @@
 mod common;
 
 use common::Random;
-use rutilant::bsdf::Fresnel;
+use rutilant::bsdf::{Distribution, Fresnel};
 use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::film::Filter;
@@ -141,7 +141,10 @@ fn kind(random: &mut Random, plain: bool, parts: &[u32]) -> MaterialKind {
         3 => MaterialKind::Mirror(Mirror { reflectance: rgb(random) }),
         4 => MaterialKind::Conductor(match random.below(2) {
             0 => Metal::Copper.conductor(random.unit()),
-            _ => Conductor { eta: rgb(random), k: rgb(random), roughness: 0.0 },
+            _ => Conductor {
+                distribution: [Distribution::Ggx, Distribution::Beckmann][random.below(2)],
+                ..Conductor::new(rgb(random), rgb(random), 0.0)
+            },
         }),
         5 => MaterialKind::ThinDielectric(ThinDielectric {
             ior: 1.0 + random.unit(),

@@ -45,6 +45,8 @@ pub(super) struct Loss {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Table {
+    /// Nothing is lost, or nothing given back.
+    None,
     Conductor,
     Dielectric,
 }
@@ -71,6 +73,21 @@ const INDICES: std::ops::RangeInclusive<f32> = 1.04..=10.0;
 const LOST: &[u8] = include_bytes!("energy.bin");
 
 impl Loss {
+    /// Nothing is given back.
+    pub(super) const NONE: Self = Self {
+        alpha: 1.0,
+        half_way: 0.0,
+        critical: 1.0,
+        below_critical: 1.0,
+        first: 0,
+        table: Table::None,
+        rougher: 0.0,
+        denser: 0.0,
+        // Of no meaning, but lobes divide by it, and by 1 less it.
+        mean: 0.5,
+        density: 0.0,
+    };
+
     /// For facets that reflect everything; `roughness` from 0 to 1.
     pub(super) fn conductor(roughness: f32) -> Self {
         Self::metal(roughness).averaged()
@@ -158,6 +175,7 @@ impl Loss {
     pub(super) fn at(&self, mu: f32) -> f32 {
         let mu = mu.min(1.0);
         let (shape, layers) = match self.table {
+            Table::None => return 0.0,
             Table::Conductor => (&CONDUCTOR, 1),
             Table::Dielectric => (&OUTSIDE, 2),
         };

@@ -4,6 +4,7 @@
 //! an ellipsoid's: stretched along z by 1/α it becomes a sphere, and everything
 //! here is that stretch. Facets hide each other as Smith has it, as if their
 //! heights and slopes had nothing to do with one another.
+//! Metal and glass may follow Beckmann's distribution instead: see `beckmann.rs`.
 //!
 //! The functions take vectors and not cosines, so that a surface that is rougher
 //! one way than the other needs no other callers.
@@ -13,8 +14,99 @@
 //! Microfacet-Based BRDFs", JCGT 3(2), 2014; Dupuy and Benyoub, "Sampling Visible
 //! GGX Normals with Spherical Caps", CGF 42(8), 2023.
 
+use super::beckmann::Beckmann;
+use super::energy::Loss;
 use rutilant_geom::{Vec2, Vec3, real};
 use std::f32::consts::PI;
+
+/// How the slopes of facets are distributed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Distribution {
+    /// With long tails, as most rough surfaces have them. What facets send into each other is given
+    /// back.
+    #[default]
+    Ggx,
+    /// Normally, as in many older scenes. What facets send into each other is lost, as there.
+    Beckmann,
+}
+
+/// The facets of a surface that is as rough one way as the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Facets {
+    Ggx(Ggx),
+    Beckmann(Beckmann),
+}
+
+impl Facets {
+    /// `roughness` lies between 0 and 1; α is its square. `None` where it is too smooth to tell.
+    pub(super) fn new(distribution: Distribution, roughness: f32) -> Option<Self> {
+        let alpha = roughness * roughness;
+        if alpha < Ggx::LEAST_ALPHA {
+            return None;
+        }
+        Some(match distribution {
+            Distribution::Ggx => Self::Ggx(Ggx { alpha }),
+            Distribution::Beckmann => Self::Beckmann(Beckmann { alpha }),
+        })
+    }
+
+    pub(super) fn distribution(self) -> Distribution {
+        match self {
+            Self::Ggx(_) => Distribution::Ggx,
+            Self::Beckmann(_) => Distribution::Beckmann,
+        }
+    }
+
+    /// How rough they are, 0 to 1.
+    pub(super) fn roughness(self) -> f32 {
+        match self {
+            Self::Ggx(Ggx { alpha }) | Self::Beckmann(Beckmann { alpha }) => alpha.sqrt(),
+        }
+    }
+
+    /// What facets that reflect everything lose and give back.
+    pub(super) fn metal_loss(self) -> Loss {
+        match self {
+            Self::Ggx(_) => Loss::conductor(self.roughness()),
+            Self::Beckmann(_) => Loss::NONE,
+        }
+    }
+
+    /// What clear facets lose and give back; `eta` is the index beyond over that before them.
+    pub(super) fn glass_loss(self, eta: f32) -> Loss {
+        match self {
+            Self::Ggx(_) => Loss::dielectric(self.roughness(), eta),
+            Self::Beckmann(_) => Loss::NONE,
+        }
+    }
+
+    /// As [`Ggx::density`].
+    #[inline]
+    pub(super) fn density(self, m: Vec3) -> f32 {
+        match self {
+            Self::Ggx(facets) => facets.density(m),
+            Self::Beckmann(facets) => facets.density(m),
+        }
+    }
+
+    /// As [`Ggx::squeezed_length`]: `|w.z| (1 + 2 Λ(w))`.
+    #[inline]
+    pub(super) fn squeezed_length(self, w: Vec3) -> f32 {
+        match self {
+            Self::Ggx(facets) => facets.squeezed_length(w),
+            Self::Beckmann(facets) => facets.squeezed_length(w),
+        }
+    }
+
+    /// As [`Ggx::sample_seen`].
+    #[inline]
+    pub(super) fn sample_seen(self, wo: Vec3, u: Vec2) -> Vec3 {
+        match self {
+            Self::Ggx(facets) => facets.sample_seen(wo, u),
+            Self::Beckmann(facets) => facets.sample_seen(wo, u),
+        }
+    }
+}
 
 /// The GGX distribution of facet normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,13 +226,20 @@ mod tests {
 
     const ALPHAS: [f32; 6] = [Ggx::LEAST_ALPHA, 0.01, 0.1, 0.3, 0.7, 1.0];
 
+    /// α, and both kinds of facets.
+    fn all() -> impl Iterator<Item = (f32, Facets)> {
+        ALPHAS.into_iter().flat_map(|alpha| {
+            [Facets::Ggx(Ggx { alpha }), Facets::Beckmann(Beckmann { alpha })]
+                .map(|facets| (alpha, facets))
+        })
+    }
+
     /// Facets seen from above cover the surface once: ∫ D cos = 1.
     #[test]
     fn facets_cover_the_surface() {
-        for alpha in ALPHAS {
-            let ggx = Ggx { alpha };
-            let area = integrate(f64::from(alpha), |m| f64::from(ggx.density(m) * m.z));
-            assert!((area - 1.0).abs() < 1e-4, "{alpha}: {area}");
+        for (alpha, facets) in all() {
+            let area = integrate(f64::from(alpha), |m| f64::from(facets.density(m) * m.z));
+            assert!((area - 1.0).abs() < 1e-4, "{facets:?}: {area}");
         }
     }
 
@@ -148,16 +247,38 @@ mod tests {
     /// equation 14): ∫ G1 max(0, w·m) D = cos θ. It fixes Λ without any formula for it.
     #[test]
     fn seen_facets_fill_the_view() {
-        for alpha in ALPHAS {
-            let ggx = Ggx { alpha };
+        for (alpha, facets) in all() {
             for cos in [1.0_f32, 0.9, 0.5, 0.2, 0.05] {
                 let w = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-                let facing =
-                    integrate(f64::from(alpha), |m| f64::from(w.dot(m).max(0.0) * ggx.density(m)));
+                let facing = integrate(f64::from(alpha), |m| {
+                    f64::from(w.dot(m).max(0.0) * facets.density(m))
+                });
                 let seen = f64::from(cos) / facing;
-                let got = f64::from(ggx.seen(w));
-                assert!((got - seen).abs() < 2e-3, "{alpha} {cos}: {got}, not {seen}");
+                let got = f64::from(2.0 * cos / (cos + facets.squeezed_length(w)));
+                assert!((got - seen).abs() < 2e-3, "{facets:?} {cos}: {got}, not {seen}");
+                if let Facets::Ggx(ggx) = facets {
+                    assert!((f64::from(ggx.seen(w)) - got).abs() < 1e-6);
+                }
             }
+        }
+    }
+
+    /// Beckmann's slopes are normally distributed: their mean square is α², and at four times that
+    /// the density has fallen to e⁻⁴ of what it is for level facets, per slope.
+    #[test]
+    fn slopes_are_normal() {
+        for alpha in ALPHAS {
+            let facets = Beckmann { alpha };
+            let slope2 = integrate(f64::from(alpha), |m| {
+                f64::from(facets.density(m) * m.z) * f64::from(1.0 / (m.z * m.z) - 1.0)
+            });
+            let expected = f64::from(alpha * alpha);
+            // 1/z² - 1 is rounded to some 10⁻⁷.
+            assert!((slope2 / expected - 1.0).abs() < 1e-3 + 1e-7 / expected, "{alpha}: {slope2}");
+            let steep = Vec3::new(2.0 * alpha, 0.0, 1.0).normalize();
+            let per_slope = |m: Vec3| f64::from(facets.density(m) * m.z * m.z * m.z * m.z);
+            let fallen = per_slope(steep) / per_slope(Vec3::Z);
+            assert!((fallen - f64::from(real::exp(-4.0))).abs() < 1e-5, "{alpha}: {fallen}");
         }
     }
 }

@@ -5,6 +5,7 @@
 //! `wo` to where light leaves, `wi` to where it came from. Each lobe holds on
 //! both sides of the surface.
 
+mod beckmann;
 mod conductor;
 mod dielectric;
 mod energy;
@@ -27,7 +28,7 @@ pub use conductor::SmoothConductor;
 pub use dielectric::SmoothDielectric;
 pub use fresnel::Fresnel;
 pub use lambert::Lambert;
-pub use microfacet::Ggx;
+pub use microfacet::{Distribution, Ggx};
 pub use mirror::PerfectMirror;
 pub use oren_nayar::OrenNayar;
 pub use principled::{Principled, PrincipledParameters};
@@ -312,7 +313,7 @@ impl Bsdf {
         }
         let lobe = |lobe| match lobe {
             Lobe::Dielectric(l) => Lobe::Dielectric(SmoothDielectric { eta, ..l }),
-            Lobe::RoughDielectric(l) => RoughDielectric::new(eta, l.roughness()).map_or(
+            Lobe::RoughDielectric(l) => l.with_eta(eta).map_or(
                 Lobe::Dielectric(SmoothDielectric { eta, fresnel: Fresnel::Exact }),
                 Lobe::RoughDielectric,
             ),

@@ -1,6 +1,6 @@
 //! Rough metal: brushed, cast, worn.
 //!
-//! Facets of the GGX distribution reflect like smooth metal. What they send into
+//! Facets reflect like smooth metal. What those of the GGX distribution send into
 //! each other comes back by the lobe of `energy.rs`, deeper in colour for every
 //! bounce: a metal that reflects everything is as bright rough as polished, a
 //! coloured one darker and more colourful.
@@ -12,7 +12,7 @@
 
 use super::energy::Loss;
 use super::fresnel;
-use super::microfacet::Ggx;
+use super::microfacet::{Distribution, Facets};
 use super::sample::BsdfSample;
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
@@ -23,25 +23,32 @@ use std::f32::consts::FRAC_1_PI;
 pub struct RoughConductor {
     eta: Spectrum,
     k: Spectrum,
-    facets: Ggx,
+    facets: Facets,
     loss: Loss,
     /// What is given back, over the two losses, in 1/sr.
     many: Spectrum,
 }
 
 impl RoughConductor {
+    /// With facets of GGX: see [`with`](Self::with).
+    pub fn new(eta: Spectrum, k: Spectrum, roughness: f32) -> Option<Self> {
+        Self::with(Distribution::Ggx, eta, k, roughness)
+    }
+
     /// `None` where it is too smooth to tell from smooth metal. `roughness` lies between 0 and 1;
     /// α is its square.
-    pub fn new(eta: Spectrum, k: Spectrum, roughness: f32) -> Option<Self> {
-        let alpha = roughness * roughness;
-        if alpha < Ggx::LEAST_ALPHA {
-            return None;
-        }
-        let loss = Loss::conductor(roughness);
+    pub fn with(
+        distribution: Distribution,
+        eta: Spectrum,
+        k: Spectrum,
+        roughness: f32,
+    ) -> Option<Self> {
+        let facets = Facets::new(distribution, roughness)?;
+        let loss = facets.metal_loss();
         // The geometric series over the bounces: each reflects the mean and loses the mean.
         let series = |f: f32| f * f * (1.0 - loss.mean) / (1.0 - f * loss.mean);
         let many = mean_reflectance(eta, k).map(series) * (FRAC_1_PI / loss.mean);
-        Some(Self { eta, k, facets: Ggx { alpha }, loss, many })
+        Some(Self { eta, k, facets, loss, many })
     }
 
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`

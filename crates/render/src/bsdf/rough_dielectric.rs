@@ -1,8 +1,8 @@
 //! A rough border between two clear media: frosted glass, ground edges, ice.
 //!
-//! Facets of the GGX distribution reflect and refract like smooth glass. What
-//! they send into each other comes back by two more lobes, one on each side,
-//! that together give back what is lost and are reciprocal.
+//! Facets reflect and refract like smooth glass. What those of the GGX
+//! distribution send into each other comes back by two more lobes, one on each
+//! side, that together give back what is lost and are reciprocal.
 //!
 //! Facets are drawn as often as they are seen, and reflect as often as the
 //! Fresnel equations say; the other lobes as often as light is lost to them.
@@ -16,7 +16,7 @@
 
 use super::energy::Loss;
 use super::fresnel::Fresnel;
-use super::microfacet::Ggx;
+use super::microfacet::{Distribution, Facets};
 use super::sample::BsdfSample;
 use crate::color::Spectrum;
 use rutilant_geom::{Vec2, Vec3};
@@ -27,7 +27,7 @@ use std::f32::consts::FRAC_1_PI;
 pub struct RoughDielectric {
     /// Index of refraction below over that above.
     eta: f32,
-    facets: Ggx,
+    facets: Facets,
     above: Side,
     below: Side,
 }
@@ -50,31 +50,36 @@ impl RoughDielectric {
     /// The least ratio of indices at which facets matter.
     pub const LEAST_RATIO: f32 = 1.04;
 
+    /// With facets of GGX: see [`with`](Self::with).
+    pub fn new(eta: f32, roughness: f32) -> Option<Self> {
+        Self::with(Distribution::Ggx, eta, roughness)
+    }
+
     /// A border with the index `eta` below over that above, and a `roughness` between 0 and 1; α
     /// is its square. `None` where it cannot be told from a smooth one: hardly rough, or hardly
     /// there.
-    pub fn new(eta: f32, roughness: f32) -> Option<Self> {
-        let alpha = roughness * roughness;
-        if alpha < Ggx::LEAST_ALPHA || eta.max(1.0 / eta) < Self::LEAST_RATIO {
+    pub fn with(distribution: Distribution, eta: f32, roughness: f32) -> Option<Self> {
+        let facets = Facets::new(distribution, roughness)?;
+        if eta.max(1.0 / eta) < Self::LEAST_RATIO {
             return None;
         }
-        let above = Loss::dielectric(roughness, eta);
-        let below = Loss::dielectric(roughness, 1.0 / eta);
+        let above = facets.glass_loss(eta);
+        let below = facets.glass_loss(1.0 / eta);
         // Of what is lost as much crosses as of diffuse light on smooth glass, as far as both
         // sides can take it: reciprocity ties the two ways together.
         let most = above.mean.max(below.mean);
         let through = mean_transmittance(eta) / most;
         Some(Self {
             eta,
-            facets: Ggx { alpha },
+            facets,
             above: Side { loss: above, crossing: through * below.mean },
             below: Side { loss: below, crossing: through * above.mean / (eta * eta) },
         })
     }
 
-    /// How rough it is, 0 to 1.
-    pub fn roughness(&self) -> f32 {
-        self.facets.alpha.sqrt()
+    /// The same border with another index; `None` where that is hardly there.
+    pub(super) fn with_eta(&self, eta: f32) -> Option<Self> {
+        Self::with(self.facets.distribution(), eta, self.facets.roughness())
     }
 
     /// Draws the direction the light came from. `choice` and `u` hold numbers in [0, 1). `None`

@@ -1,6 +1,6 @@
 //! Glass, water, gems: a smooth or rough border between two clear media.
 
-use crate::bsdf::Fresnel;
+use crate::bsdf::{Distribution, Fresnel};
 use crate::color::{Rgb, Spectrum};
 use crate::dispersion::{largest_index, most_dispersion};
 use crate::problem::{NOT_NEGATIVE, POSITIVE, Place, SceneProblem, UNIT};
@@ -23,8 +23,10 @@ pub struct Dielectric {
     ///
     /// Bodies must be closed; they may overlap or touch. They may not glow.
     pub priority: Option<u32>,
-    /// How rough the border is, 0 (smooth) to 1. The α of GGX is its square.
+    /// How rough the border is, 0 (smooth) to 1. The α of its facets is the square.
     pub roughness: f32,
+    /// How its facets are distributed.
+    pub distribution: Distribution,
     /// How much the index inside changes with the colour of light, 0 to 20: 20 over the Abbe number,
     /// 0 for not at all. The index itself is that for yellow light (587.6 nm). Crown glass has 0.31,
     /// flint glass 0.55 and more, diamond 0.36.
@@ -137,6 +139,7 @@ impl Dielectric {
             fresnel: Fresnel::Exact,
             priority: None,
             roughness: 0.0,
+            distribution: Distribution::Ggx,
             dispersion: 0.0,
         }
     }

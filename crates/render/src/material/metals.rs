@@ -35,7 +35,7 @@ impl Metal {
             Self::Silver => ([0.054, 0.054, 0.044], [4.367, 3.510, 2.621]),
             Self::Aluminium => ([1.272, 0.975, 0.647], [7.063, 6.511, 5.534]),
         };
-        Conductor { eta: Rgb(eta), k: Rgb(k), roughness }
+        Conductor::new(Rgb(eta), Rgb(k), roughness)
     }
 }
 

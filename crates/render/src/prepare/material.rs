@@ -279,14 +279,15 @@ fn lobe(material: &Material) -> Option<VaryingLobe> {
         }
         MaterialKind::Conductor(m) => {
             let (eta, k) = (m.eta.into(), m.k.into());
-            let rough = RoughConductor::new(eta, k, m.roughness).map(Lobe::RoughConductor);
-            Some(rough.unwrap_or(Lobe::Conductor(SmoothConductor { eta, k })))
+            let rough = RoughConductor::with(m.distribution, eta, k, m.roughness);
+            let smooth = Lobe::Conductor(SmoothConductor { eta, k });
+            Some(rough.map_or(smooth, Lobe::RoughConductor))
         }
         MaterialKind::Dielectric(m) => {
             let eta = m.interior.ior / m.exterior.ior;
-            let rough = RoughDielectric::new(eta, m.roughness).map(Lobe::RoughDielectric);
-            let fresnel = m.fresnel;
-            Some(rough.unwrap_or(Lobe::Dielectric(SmoothDielectric { eta, fresnel })))
+            let rough = RoughDielectric::with(m.distribution, eta, m.roughness);
+            let smooth = Lobe::Dielectric(SmoothDielectric { eta, fresnel: m.fresnel });
+            Some(rough.map_or(smooth, Lobe::RoughDielectric))
         }
         MaterialKind::ThinDielectric(m) => {
             Some(Lobe::ThinDielectric(ThinDielectric::new(m.ior, m.color.into())))

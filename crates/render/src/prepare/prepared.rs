@@ -300,7 +300,7 @@ impl Prepared {
         let flat =
             SurfaceInteraction::new(hit.position, hit.normal, -direction, object.material, emitter);
         if self.materials[object.material as usize].is_painted() {
-            let at = self.painted(hit, object, flat);
+            let at = self.kept_in_front(self.painted(hit, object, flat));
             // A coat mirrors by another normal, which is bent for the camera's way.
             let own_coat = self.materials[object.material as usize].own_coat;
             return if own_coat { at.seen_by_the_camera_alone() } else { at };
@@ -310,7 +310,15 @@ impl Prepared {
             return flat;
         }
         let corners = self.corners(hit, object, &vertices);
-        flat.smoothed(interpolated(&corners), corners)
+        self.kept_in_front(flat.smoothed(interpolated(&corners), corners))
+    }
+
+    /// The same where scattered rays do not start beyond another surface: one that is lifted off a
+    /// label behind glass would be inside of the glass without having come in.
+    #[inline]
+    fn kept_in_front(&self, at: SurfaceInteraction) -> SurfaceInteraction {
+        let opaque = self.has_borders && self.material(&at).border.is_none();
+        if opaque && at.is_lifted() && self.occluded(&at.lift()) { at.unlifted() } else { at }
     }
 
     /// The corners of the triangle that was hit: where each is, its normal, which is the triangle's

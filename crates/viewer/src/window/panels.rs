@@ -8,8 +8,9 @@ use rutilant::color::Rgb;
 use rutilant::display::Curve;
 use rutilant::light::{Environment, EnvironmentLight, Light, SpotLight};
 use rutilant::material::{
-    Absorption, Dielectric, Emission, EmittedLight, MAX_DISPERSION, MAX_SPECULAR_COLOR, Material,
-    MaterialKind, Matte, Metal, Mirror, Principled, Sides, ThinDielectric, most_rough_dispersion,
+    Absorption, Conductor, Dielectric, Emission, EmittedLight, MAX_DISPERSION, MAX_SPECULAR_COLOR,
+    Material, MaterialKind, Matte, Metal, Mirror, Principled, Sides, ThinDielectric,
+    most_rough_dispersion,
 };
 use rutilant::settings::{Heuristic, IntegratorKind, Roulette, SamplerKind};
 use rutilant_formats::Look;
@@ -201,7 +202,8 @@ fn one_material(ui: &mut Ui, material: &mut Material) {
                     (Metal::Silver, "silver"),
                     (Metal::Aluminium, "aluminium"),
                 ] {
-                    let measured = metal.conductor(m.roughness);
+                    let distribution = m.distribution;
+                    let measured = Conductor { distribution, ..metal.conductor(m.roughness) };
                     if ui.selectable_label(*m == measured, name).clicked() {
                         *m = measured;
                     }

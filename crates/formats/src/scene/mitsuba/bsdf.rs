@@ -1,8 +1,8 @@
 //! How surfaces scatter: Mitsuba's BSDFs as materials.
 //!
 //! Most have a material of their own. What has none becomes layers or a mixture where these say the
-//! same, and else the nearest there is, with a note. Microfacets follow GGX here whatever is asked
-//! for, with the α that is asked for: α is the square of a roughness.
+//! same, and else the nearest there is, with a note. Microfacets of layers follow GGX here whatever
+//! is asked for, with the α that is asked for: α is the square of a roughness.
 
 use super::document::{Class, View};
 use super::scene::Maker;
@@ -12,7 +12,7 @@ use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::nearest::nearest;
 use crate::scene::spectrum::{self, MOST_REFLECTED, normal_reflectance};
 use crate::shown::shown;
-use rutilant::bsdf::Fresnel;
+use rutilant::bsdf::{Distribution, Fresnel};
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Bumps, Conductor, Dielectric, MAX_IOR, MOST_ROUGH_RATIO, Material, MaterialKind,
@@ -112,20 +112,20 @@ impl Maker<'_, '_> {
                 let matte = Matte { roughness, ..Matte::new(albedo.input()) };
                 Look::painted(MaterialKind::Matte(matte), albedo.varies())
             }
-            "conductor" => self.conductor(bsdf, None)?,
+            "conductor" => self.conductor(bsdf, Rough::NOT)?,
             "roughconductor" => {
-                let alpha = self.alphas(bsdf)?;
-                self.conductor(bsdf, Some(alpha))?
+                let rough = self.rough(bsdf)?;
+                self.conductor(bsdf, rough)?
             }
-            "dielectric" => self.dielectric(bsdf, 0.0)?,
+            "dielectric" => self.dielectric(bsdf, 0.0, Distribution::Ggx)?,
             "roughdielectric" => {
-                let [u, v] = self.alphas(bsdf)?;
+                let Rough { alphas: [u, v], distribution } = self.rough(bsdf)?;
                 if u != v {
                     let what = "rough glass is as rough one way as the other here: the mean of its \
                                 alphas stands in";
                     bsdf.note(what, what);
                 }
-                self.dielectric(bsdf, (0.5 * (u + v)).sqrt())?
+                self.dielectric(bsdf, (0.5 * (u + v)).sqrt(), distribution)?
             }
             "thindielectric" => {
                 let ior = self.relative_ior(bsdf, MITSUBA_BK7)?;
@@ -136,8 +136,9 @@ impl Maker<'_, '_> {
             }
             "plastic" => self.plastic(bsdf, None)?,
             "roughplastic" => {
-                let [u, v] = self.alphas(bsdf)?;
-                let is_ggx = bsdf.text("distribution")? == Some("ggx");
+                let Rough { alphas: [u, v], distribution } = self.rough(bsdf)?;
+                note_on_layers(bsdf, distribution);
+                let is_ggx = distribution == Distribution::Ggx;
                 self.plastic(bsdf, Some(Facets { alpha: 0.5 * (u + v), is_ggx }))?
             }
             "principled" | "principledthin" => self.principled(bsdf)?,
@@ -176,19 +177,18 @@ impl Maker<'_, '_> {
         }
     }
 
-    /// α along u and v, 0 to 1.
-    fn alphas(&mut self, bsdf: View<'_, '_>) -> Result<[f32; 2], SceneError> {
+    /// The facets that are asked for.
+    fn rough(&mut self, bsdf: View<'_, '_>) -> Result<Rough, SceneError> {
+        let (beckmann, ggx) = (Distribution::Beckmann, Distribution::Ggx);
         let distribution = bsdf.choice(
             "distribution",
-            &[("beckmann", "Beckmann"), ("ggx", "GGX"), ("phong", "Phong"), ("as", "Phong")],
+            &[("beckmann", Some(beckmann)), ("ggx", Some(ggx)), ("phong", None), ("as", None)],
         )?;
-        if distribution != "GGX" {
-            let what = format!(
-                "microfacets that follow {distribution} are taken as GGX of the same alpha, which \
-                 has wider tails"
-            );
-            bsdf.note(&what, &what);
+        if distribution.is_none() {
+            let what = "microfacets that follow Phong are taken as Beckmann's of the same alpha";
+            bsdf.note(what, what);
         }
+        let distribution = distribution.unwrap_or(beckmann);
         bsdf.pass_over(&["sample_visible", "sample_all"]);
         let both = self.even_number(bsdf, "alpha", 0.1)?;
         let u = self.even_number(bsdf, "alpha_u", both)?;
@@ -197,7 +197,7 @@ impl Maker<'_, '_> {
             let what = format!("an alpha of {} is taken as one within 0 and 1", u.max(v));
             bsdf.note(&what, &what);
         }
-        Ok([u, v].map(|alpha| alpha.clamp(0.0, 1.0)))
+        Ok(Rough { alphas: [u, v].map(|alpha| alpha.clamp(0.0, 1.0)), distribution })
     }
 
     /// Real and imaginary part of a metal's index; `None` for what reflects everything.
@@ -233,12 +233,11 @@ impl Maker<'_, '_> {
     fn conductor(
         &mut self,
         bsdf: View<'_, '_>,
-        alphas: Option<[f32; 2]>,
+        Rough { alphas: [u, v], distribution }: Rough,
     ) -> Result<Look, SceneError> {
         let index = self.metal(bsdf)?;
         let tint = self.paint(bsdf, "specular_reflectance", Use::Surface)?;
         let tint = tint.unwrap_or(Paint::even(Rgb::WHITE));
-        let [u, v] = alphas.unwrap_or([0.0; 2]);
         let roughness = u.min(v).sqrt();
         let normal =
             |[eta, k]: [Rgb; 2]| Rgb([0, 1, 2].map(|i| normal_reflectance(eta.0[i], k.0[i])));
@@ -248,6 +247,7 @@ impl Maker<'_, '_> {
             let what = "metal that varies, or is brushed, has the colour of its reflection at normal \
                         incidence, from where on Schlick's approximation says it";
             bsdf.note(what, what);
+            note_on_layers(bsdf, distribution);
             let white = Rgb::WHITE;
             let color = index.map_or(white, normal);
             let color = Rgb([0, 1, 2].map(|i| (color.0[i] * tint.factor.0[i]).clamp(0.0, 1.0)));
@@ -274,10 +274,11 @@ impl Maker<'_, '_> {
                 return Ok(Look::new(MaterialKind::Mirror(Mirror { reflectance: color })));
             }
             // Without a real part everything is reflected.
-            let all = Conductor { eta: Rgb::BLACK, k: Rgb::WHITE, roughness };
+            let (eta, k) = (Rgb::BLACK, Rgb::WHITE);
+            let all = Conductor { eta, k, roughness, distribution };
             return Ok(Look::new(self.dimmed(all, tint, bsdf)));
         };
-        Ok(Look::new(self.dimmed(Conductor { eta, k, roughness }, tint, bsdf)))
+        Ok(Look::new(self.dimmed(Conductor { eta, k, roughness, distribution }, tint, bsdf)))
     }
 
     /// A metal of which a part is black. Where the part is another for each channel, the index is
@@ -349,7 +350,12 @@ impl Maker<'_, '_> {
         Ok(())
     }
 
-    fn dielectric(&mut self, bsdf: View<'_, '_>, roughness: f32) -> Result<Look, SceneError> {
+    fn dielectric(
+        &mut self,
+        bsdf: View<'_, '_>,
+        roughness: f32,
+        distribution: Distribution,
+    ) -> Result<Look, SceneError> {
         let inside = self.ior(bsdf, "int_ior", MITSUBA_BK7)?;
         let outside = self.ior(bsdf, "ext_ior", MITSUBA_AIR)?;
         self.untinted(bsdf, "specular_reflectance")?;
@@ -371,6 +377,7 @@ impl Maker<'_, '_> {
             fresnel: Fresnel::Exact,
             priority: None,
             roughness,
+            distribution,
             dispersion: 0.0,
         })))
     }
@@ -617,6 +624,27 @@ fn index_of(eta: f32, reflectance: f32) -> (f32, f32) {
     let root = r.sqrt();
     let above = (1.0 + root) / (1.0 - root);
     (if eta > 1.0 { above } else { 1.0 / above }, 0.0)
+}
+
+/// The facets of rough metal or glass.
+#[derive(Clone, Copy, Debug)]
+struct Rough {
+    /// α along u and v, 0 to 1.
+    alphas: [f32; 2],
+    distribution: Distribution,
+}
+
+impl Rough {
+    const NOT: Self = Self { alphas: [0.0; 2], distribution: Distribution::Ggx };
+}
+
+/// Tells that what becomes layers has facets of GGX.
+fn note_on_layers(bsdf: View<'_, '_>, distribution: Distribution) {
+    if distribution == Distribution::Beckmann {
+        let what = "plastic, and metal that varies or is brushed, has facets of GGX in place of \
+                    Beckmann's, with wider tails";
+        bsdf.note(what, what);
+    }
 }
 
 /// The facets of a rough border; smooth where α is 0.

@@ -64,12 +64,13 @@ pub(super) const EMISSION: &[&str] =
 pub(super) const SCATTERING: &[&str] = &["emission", "opacity", "normal_map", "bump_map"];
 pub(super) const MATTE: &[&str] = &["albedo", "roughness", "sampling"];
 pub(super) const MIRROR: &[&str] = &["reflectance"];
-pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness"];
+pub(super) const CONDUCTOR: &[&str] = &["metal", "eta", "k", "roughness", "distribution"];
 pub(super) const DIELECTRIC: &[&str] = &[
     "ior",
     "exterior_ior",
     "dispersion",
     "roughness",
+    "distribution",
     "sigma_a",
     "absorption_color",
     "absorption_distance",

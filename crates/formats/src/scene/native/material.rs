@@ -9,7 +9,7 @@ use super::texture;
 use crate::error::SceneError;
 use crate::scene::loaded::TextureName;
 use crate::shown::shown;
-use rutilant::bsdf::Fresnel;
+use rutilant::bsdf::{Distribution, Fresnel};
 use rutilant::color::Rgb;
 use rutilant::material::{
     Absorption, Conductor, Dielectric, Emission, EmittedLight, HemisphereSampling, Material,
@@ -57,6 +57,8 @@ const METALS: &[(&str, Metal)] = &[
     ("aluminium", Metal::Aluminium),
 ];
 
+const DISTRIBUTIONS: &[(&str, Distribution)] =
+    &[("ggx", Distribution::Ggx), ("beckmann", Distribution::Beckmann)];
 const FRESNELS: &[(&str, Fresnel)] = &[("exact", Fresnel::Exact), ("schlick", Fresnel::Schlick)];
 
 /// The keys of bumps that are painted, as normals and as heights.
@@ -221,18 +223,24 @@ fn roughness(table: &Table<'_>) -> Result<f32, SceneError> {
     table.or("roughness", Value::number, 0.0)
 }
 
+fn distribution(table: &Table<'_>) -> Result<Distribution, SceneError> {
+    table.or("distribution", |v| v.one_of("distribution", DISTRIBUTIONS), Distribution::Ggx)
+}
+
 fn conductor(table: &Table<'_>) -> Result<Conductor, SceneError> {
     let roughness = roughness(table)?;
+    let distribution = distribution(table)?;
     match table.either(["metal", "eta"])? {
         "metal" => {
             if let Some(k) = table.get("k") {
                 return Err(k.invalid("give metal, or eta and k, not both"));
             }
-            Ok(table.must("metal", |v| v.one_of("metal", METALS))?.conductor(roughness))
+            let metal = table.must("metal", |v| v.one_of("metal", METALS))?;
+            Ok(Conductor { distribution, ..metal.conductor(roughness) })
         }
         _ => {
             let (eta, k) = (table.must("eta", Value::color)?, table.must("k", Value::color)?);
-            Ok(Conductor { eta, k, roughness })
+            Ok(Conductor { eta, k, roughness, distribution })
         }
     }
 }
@@ -248,6 +256,7 @@ fn dielectric(table: &Table<'_>) -> Result<Dielectric, SceneError> {
         fresnel: table.or("fresnel", |v| v.one_of("fresnel", FRESNELS), Fresnel::Exact)?,
         priority: table.maybe("priority", Value::whole)?,
         roughness: roughness(table)?,
+        distribution: distribution(table)?,
         dispersion: table.or("dispersion", Value::number, 0.0)?,
     })
 }
@@ -401,6 +410,10 @@ pub(super) fn keys_of(
         return Some(groups);
     }
     let rough = |roughness| Group::or(&["roughness"], number(roughness), "0");
+    let distributed = |distribution| {
+        let usual = said::name(DISTRIBUTIONS, &Distribution::Ggx);
+        Group::or(&["distribution"], said::name(DISTRIBUTIONS, &distribution), &usual)
+    };
     let part = |id: MaterialId| said::text(names.get(id.0 as usize).map_or("", String::as_str));
     let ior = |ior| Group::or(&["ior"], number(ior), &number(GLASS));
     let mut groups = match &material.kind {
@@ -420,13 +433,16 @@ pub(super) fn keys_of(
             vec![name, kind("mirror"), Group::or(&["reflectance"], color(m.reflectance), "1")]
         }
         MaterialKind::Conductor(m) => {
-            let metal = METALS.iter().find(|(_, metal)| metal.conductor(m.roughness) == *m);
+            let is = |metal: &Metal| {
+                *m == Conductor { distribution: m.distribution, ..metal.conductor(m.roughness) }
+            };
+            let metal = METALS.iter().find(|(_, metal)| is(metal));
             let says = match metal {
                 Some((metal, _)) => vec![Said::new("metal", said::text(metal))],
                 None => vec![Said::new("eta", color(m.eta)), Said::new("k", color(m.k))],
             };
             let index = Group::of(&["metal", "eta", "k"], says);
-            vec![name, kind("conductor"), index, rough(m.roughness)]
+            vec![name, kind("conductor"), index, rough(m.roughness), distributed(m.distribution)]
         }
         MaterialKind::Dielectric(m) => {
             let usual = said::name(FRESNELS, &Fresnel::Exact);
@@ -439,6 +455,7 @@ pub(super) fn keys_of(
                 Group::or(&["fresnel"], said::name(FRESNELS, &m.fresnel), &usual),
                 Group::maybe(&["priority"], m.priority.map(|priority| priority.to_string())),
                 rough(m.roughness),
+                distributed(m.distribution),
                 Group::or(&["dispersion"], number(m.dispersion), "0"),
             ]
         }
