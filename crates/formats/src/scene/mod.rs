@@ -3,6 +3,7 @@
 mod affine;
 pub(crate) mod bare;
 mod called;
+mod disney;
 mod files;
 mod framing;
 pub mod gltf;

@@ -9,6 +9,7 @@ use super::scene::Maker;
 use super::texture::{Paint, Use};
 use super::value::Value;
 use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::disney::tint_once;
 use crate::scene::nearest::nearest;
 use crate::scene::spectrum::{self, MOST_REFLECTED, normal_reflectance};
 use crate::shown::shown;
@@ -503,6 +504,9 @@ impl Maker<'_, '_> {
         }
         if layers.has_inside() && layers.roughness > 0.0 {
             layers.ior = layers.ior.min(MOST_ROUGH_RATIO);
+        }
+        if let Some(what) = tint_once(&mut layers) {
+            bsdf.note(what, what);
         }
         let textured = layers.textures.vary() || aspect < 1.0;
         Ok(Look::painted(MaterialKind::Principled(Box::new(layers)), textured))

@@ -2,6 +2,7 @@
 
 use super::inputs::Rough;
 use crate::error::SceneError;
+use crate::scene::disney::tint_once;
 use crate::scene::pbrt::parameters::Parameters;
 use crate::scene::pbrt::scene::Maker;
 use crate::scene::pbrt::textures::Texel;
@@ -95,8 +96,7 @@ impl Maker<'_> {
         let through = self.plain_number(parameters, "difftrans", 1.0)?;
         let thin_walled = parameters.truth_or("thin", false, self.texts)?;
         let ior = self.index(parameters, "eta", 1.5)?.0;
-        parameters.ignore(&["speculartint", "sheentint", "flatness", "scatterdistance"]);
-        Ok(Principled {
+        let mut layers = Principled {
             base_color,
             metallic: metallic.clamp(0.0, 1.0),
             roughness: roughness.clamp(0.0, 1.0),
@@ -115,8 +115,11 @@ impl Maker<'_> {
                 ..Default::default()
             },
             ..Principled::default()
+        };
+        if let Some(what) = tint_once(&mut layers) {
+            self.note(parameters.place, what);
         }
-        .into())
+        Ok(layers.into())
     }
 }
 
