@@ -16,12 +16,11 @@ use crate::packs::{Pack, PackRay, turned};
 use crate::surfaces::{Hit, INSTANCE, Primitive, Surfaces, triangle_normal};
 use crate::triangle::TriangleRay;
 use crate::with_vectors;
-use crate::{Ray, Sphere, Vec3, real};
+use crate::{Ray, Sphere, Vec3};
 use arrayvec::ArrayVec;
 use fearless_simd::prelude::*;
 use fearless_simd::{Fallback, Simd, f32x8, mask32x8, u32x8};
 use glam::DVec3;
-use std::f32::consts::{FRAC_1_PI, PI};
 
 /// Trees of as many nodes, a megabyte of them, are not all in the nearer caches.
 const FAR: usize = 4096;
@@ -753,7 +752,7 @@ impl Surfaces {
             }
             Primitive::Sphere(sphere) => {
                 let (position, normal) = sphere.surface_at(ray, t);
-                (position, normal, longitude_latitude(normal.as_vec3()))
+                (position, normal, Sphere::uv(normal.as_vec3()))
             }
             Primitive::Disk(disk) => (disk.point(u, v), unit(disk.normal()), [u as f32, v as f32]),
             Primitive::Custom(_) => {
@@ -1054,9 +1053,4 @@ const ENOUGH: f64 = f64::NEG_INFINITY;
 fn unit(n: DVec3) -> DVec3 {
     let n = n / n.abs().max_element();
     n / n.length()
-}
-
-/// The place of a sphere's normal on a map of the world, both 0 to 1.
-fn longitude_latitude(n: Vec3) -> [f32; 2] {
-    [0.5 + 0.5 * FRAC_1_PI * real::atan2(n.x, n.z), real::acos(-n.y.clamp(-1.0, 1.0)) / PI]
 }

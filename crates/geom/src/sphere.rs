@@ -9,8 +9,9 @@
 //! Ray/Sphere Intersection", *Ray Tracing Gems*, 2019, chapter 7.
 
 use crate::aabb::{rounded_down, rounded_up};
-use crate::{Aabb, Ray, Vec3};
+use crate::{Aabb, Ray, Vec3, real};
 use glam::DVec3;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 /// All points at distance `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,13 @@ pub struct Sphere {
 }
 
 impl Sphere {
+    /// Longitude and latitude of where this unit vector points, as [`Hit::u`](crate::Hit::u) and
+    /// [`Hit::v`](crate::Hit::v) are.
+    pub fn uv(normal: Vec3) -> [f32; 2] {
+        let Vec3 { x, y, z } = normal;
+        [0.5 + 0.5 * FRAC_1_PI * real::atan2(x, z), real::acos(-y.clamp(-1.0, 1.0)) / PI]
+    }
+
     /// The smallest box that surely holds the sphere.
     pub fn bounds(&self) -> Aabb {
         let (center, radius) = (self.center.as_dvec3(), DVec3::splat(f64::from(self.radius)));

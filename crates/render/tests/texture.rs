@@ -366,6 +366,33 @@ fn round_shapes_have_coordinates() {
     assert!((prepared.uv(&hit) - Vec2::splat(0.5)).length() < 1e-6);
 }
 
+/// A sphere's map turns with it, and lies the other way round in a mirror.
+#[test]
+fn a_globe_turns() {
+    let mut scene = scene();
+    let matte = scene.add_material(Matte::new(Rgb::WHITE));
+    let globe = Object::new(Shape::Sphere { radius: 0.5 }, matte);
+    for world_from_globe in [
+        Transform::rotate_degrees(Vec3::X, 90.0),
+        Transform::rotate(Vec3::new(1.0, -2.0, 0.5).normalize(), 2.2),
+        Transform::rotate(Vec3::Y, 0.7) * Transform::scale(Vec3::new(-2.0, 2.0, 2.0)),
+    ] {
+        let at = |transform: &Transform, outward: Vec3| {
+            let mut scene = scene.clone();
+            scene.objects.push(globe.clone().transformed(transform));
+            let prepared = Prepared::new(&scene).unwrap();
+            let ray = Ray::new(5.0 * outward, -outward);
+            prepared.uv(&prepared.closest(&ray).unwrap())
+        };
+        for outward in [Vec3::new(0.1, 0.2, 0.9), Vec3::new(-0.5, 0.7, 0.3), Vec3::Z] {
+            let outward = outward.normalize();
+            let turned = world_from_globe.vector(outward).normalize();
+            let (own, seen) = (at(&Transform::IDENTITY, outward), at(&world_from_globe, turned));
+            assert!((own - seen).length() < 1e-5, "{world_from_globe:?}: {own} {seen}");
+        }
+    }
+}
+
 /// Part of a mix may be textured: the shares of both show.
 #[test]
 fn mixes_are_textured() {

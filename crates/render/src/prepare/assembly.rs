@@ -257,6 +257,7 @@ impl Assembly {
             uv_sets: 0,
             first_color: None,
             first_tangent: None,
+            axes: None,
         };
         // What neither scatters nor glows is left out.
         if passes(material) && !material.gives_light() {
@@ -295,6 +296,8 @@ impl Assembly {
             Shape::Sphere { radius } => {
                 let scale = world_from_object.uniform_scale().unwrap_or(1.0);
                 let center = world_from_object.translation();
+                let axes = Vec3::AXES.map(|axis| world_from_object.vector(axis) / scale);
+                prepared.axes = (axes != Vec3::AXES).then(|| Box::new(axes));
                 let sphere = Sphere { center, radius: *radius * scale };
                 self.spheres.push(sphere);
                 self.objects_of[1].push(number as u32);

@@ -145,7 +145,9 @@ impl Prepared {
         let along = match self.surfaces.disks().get(number.wrapping_sub(spheres)) {
             Some(disk) => disk.u,
             // East of a sphere.
-            None if number < spheres => Vec3::Y.cross(normal),
+            None if number < spheres => {
+                object.axes.as_ref().map_or(Vec3::Y, |axes| axes[1]).cross(normal)
+            }
             None => return None,
         };
         let u = (along - normal * normal.dot(along)).try_normalize()?;

@@ -18,7 +18,7 @@ use crate::problem::{Note, Place};
 use crate::settings::{IntegratorKind, Layer, Layers, Settings, Strategy};
 use crate::texture::ColorInput;
 use rutilant_geom::{
-    Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Surfaces, Vec2, Vec3, offset_origin,
+    Aabb, BuildOptions, BuildReport, DVec3, Hit, Ray, Sphere, Surfaces, Vec2, Vec3, offset_origin,
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -139,6 +139,8 @@ pub(super) struct PreparedObject {
     pub(super) first_color: Option<u32>,
     /// Where its tangents start in the common array, if it has some.
     pub(super) first_tangent: Option<u32>,
+    /// Where the axes of a sphere go that is turned.
+    pub(super) axes: Option<Box<[Vec3; 3]>>,
 }
 
 /// Which emitters an object is.
@@ -373,12 +375,15 @@ impl Prepared {
     }
 
     /// Texture coordinates at a hit: interpolated where the mesh has some, else barycentric weights.
-    /// On a sphere longitude and latitude, on a disk and a rectangle from one side to the other, each
+    /// On a sphere its own longitude and latitude, on a disk and a rectangle from one side to the other, each
     /// from 0 to 1; on a custom shape its own.
     pub fn uv(&self, hit: &Hit) -> Vec2 {
         let own = Vec2::new(hit.u, hit.v);
         let object = self.object(hit);
         let Some(vertices) = self.vertices(hit, object) else {
+            if let Some(axes) = &object.axes {
+                return Sphere::uv(axes.map(|axis| axis.dot(hit.normal)).into()).into();
+            }
             let disks = self.surfaces.triangles().len() + self.surfaces.spheres().len();
             let number = (hit.primitive as usize).checked_sub(disks);
             let on_a_disk = number.is_some_and(|n| n < self.surfaces.disks().len());
