@@ -344,7 +344,7 @@ fn tell(
     }
     for (start, first) in &found.firsts {
         let start = *start as usize;
-        tile.look(places[start].0, first, weights[start]);
+        tile.add_first(places[start].0, first);
     }
 }
 

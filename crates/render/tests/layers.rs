@@ -391,3 +391,18 @@ fn ids_are_of_what_covers_most() {
     }
     assert_eq!(part.channel("object.id").unwrap()[0], image.channel("object.id").unwrap()[83]);
 }
+
+/// Filters with negative lobes ring in light, but no albedo is below 0 or above what there is, and no
+/// normal longer than 1.
+#[test]
+fn features_do_not_ring() {
+    let filter = Filter::Mitchell { radius: 2.0, b: 0.0, c: 0.5 };
+    let image = render(&room(), Settings { filter, spp: 16, ..settings([20, 20]) });
+    for pixel in 0..20 * 20 {
+        let albedo = at(&image, ["albedo.R", "albedo.G", "albedo.B"], pixel);
+        assert!(albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{albedo:?}");
+        let [x, y, z] = at(&image, ["normal.X", "normal.Y", "normal.Z"], pixel);
+        let length = (x * x + y * y + z * z).sqrt();
+        assert!(length < 1.0 + 1e-5, "{length}");
+    }
+}

@@ -1,7 +1,8 @@
 //! What a pixel sees first, in the mean and by objects.
 //!
 //! Albedo and normals count as light does, nothing as 0, so that a denoiser
-//! finds edges in them as they are in the picture. Places would be blends of
+//! finds edges in them as they are in the picture; but no sample counts less
+//! than nothing, where a filter has negative lobes. Places would be blends of
 //! before and behind; they are means over the samples that met something.
 //! Which objects cover how much of a pixel is counted exactly; the rest hardly
 //! differs within a pixel, and is told by some of its samples.
@@ -22,7 +23,7 @@ pub(super) struct Features {
     normal: [f64; 3],
     position: [f64; 3],
     uv: [f64; 2],
-    depth: f64,
+    depth: [f64; 1],
 }
 
 /// How many samples of one pixel met each object, or [`NOTHING`]. Apart from the sums, because every
@@ -86,15 +87,14 @@ impl Features {
         self.looked += looked;
     }
 
-    /// Adds what a sample met that is looked at and counts `weight`.
-    pub(super) fn look(&mut self, first: &First, weight: f32) {
+    /// Adds what a sample met that is looked at.
+    pub(super) fn add(&mut self, first: &First) {
         self.found += 1;
-        let weight = f64::from(weight);
-        add(&mut self.albedo, first.albedo.channels(), weight);
-        add(&mut self.normal, first.normal.to_array(), weight);
-        add(&mut self.position, first.position.to_array(), 1.0);
-        add(&mut self.uv, first.uv.to_array(), 1.0);
-        self.depth += f64::from(first.depth);
+        add(&mut self.albedo, first.albedo.channels());
+        add(&mut self.normal, first.normal.to_array());
+        add(&mut self.position, first.position.to_array());
+        add(&mut self.uv, first.uv.to_array());
+        add(&mut self.depth, [first.depth]);
     }
 
     /// The mean over all samples that were looked at.
@@ -109,10 +109,10 @@ impl Features {
 }
 
 /// Adds what is a number.
-fn add<const N: usize>(sums: &mut [f64; N], values: [f32; N], weight: f64) {
+fn add<const N: usize>(sums: &mut [f64; N], values: [f32; N]) {
     for (sum, value) in sums.iter_mut().zip(values) {
         if value.is_finite() {
-            *sum += f64::from(value) * weight;
+            *sum += f64::from(value);
         }
     }
 }
@@ -138,7 +138,7 @@ const MEANS: [(Layer, &[(&str, Reading)]); 5] = [
             ("normal.Z", |f| f.mean(f.normal[2])),
         ],
     ),
-    (Layer::Depth, &[("depth.Z", |f| f.mean_of_found(f.depth))]),
+    (Layer::Depth, &[("depth.Z", |f| f.mean_of_found(f.depth[0]))]),
     (
         Layer::Position,
         &[

@@ -86,7 +86,7 @@ impl Layers {
     }
 
     /// Whether any of them tells of the surface that a camera ray meets first.
-    pub(crate) fn look(self) -> bool {
+    pub(crate) fn tell_firsts(self) -> bool {
         self.without(Layer::Light).without(Layer::Groups) != Self::NONE
     }
 }

@@ -199,10 +199,10 @@ impl Tile {
         }
     }
 
-    /// Adds what a sample met first that is looked at and counts `weight`.
-    pub(crate) fn look(&mut self, pixel: [u32; 2], first: &First, weight: f32) {
+    /// Adds what a sample met first that is looked at.
+    pub(crate) fn add_first(&mut self, pixel: [u32; 2], first: &First) {
         let i = self.index(pixel);
-        self.features[i].look(first, weight);
+        self.features[i].add(first);
     }
 
     /// A sample of pixel `i` as those before it correct it; those after it learn from it. Apart,
@@ -255,7 +255,7 @@ impl Film {
                 let (x, y) = (column * TILE, row * TILE);
                 let (width, height) = (TILE.min(window.width - x), TILE.min(window.height - y));
                 let pixels = (width * height) as usize;
-                let [seen, parted] = [layers.look(), layers.has(Layer::Light)]
+                let [seen, parted] = [layers.tell_firsts(), layers.has(Layer::Light)]
                     .map(|wanted| if wanted { pixels } else { 0 });
                 Mutex::new(Tile {
                     area: Crop { x: window.x + x, y: window.y + y, width, height },

@@ -88,7 +88,7 @@ impl Found {
         self.controls.clear();
         self.controls.resize(count, 0.0);
         self.objects.clear();
-        self.objects.resize(asked(|view| view.layers.look()), NOTHING);
+        self.objects.resize(asked(|view| view.layers.tell_firsts()), NOTHING);
         self.firsts.clear();
     }
 

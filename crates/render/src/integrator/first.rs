@@ -89,7 +89,7 @@ impl View {
         look: bool,
         rays: &mut u64,
     ) -> Option<(u32, Option<First>)> {
-        if !self.layers.look() {
+        if !self.layers.tell_firsts() {
             return None;
         }
         let (mut media, mut made) = (scene.camera_media(), None);

@@ -64,7 +64,7 @@ impl Control for Witness<'_> {
     }
 
     fn met(&mut self, depth: u32, met: &Met<'_>) {
-        if depth == 1 && self.view.layers.look() {
+        if depth == 1 && self.view.layers.tell_firsts() {
             self.first = Some(self.view.told(self.scene, met, self.look));
         }
     }
