@@ -441,3 +441,23 @@ fn pictures_arrive() {
     let bumps = c.normal_map.expect("bumps");
     assert_eq!((shown(bumps.texture), bumps.scale), (("bumps.png", Encoding::Linear), 1.0));
 }
+
+/// Very many textures take a moment: each is looked up, and the file is walked once. When each was
+/// compared with all before it, these took minutes.
+#[test]
+fn many_textures_are_read_at_once() {
+    const COUNT: usize = 100_000;
+    for (line, textures, pictures) in [
+        (&(|i| format!("map_Kd p{i}.png\n")) as &dyn Fn(usize) -> String, COUNT, COUNT),
+        (&|i| format!("map_Kd -s {i} 1 p.png\n"), COUNT, 1),
+        (&|i| format!("map_Kd -o 0 {} p{}.png\n", i % 2, i % 3), 6, 3),
+    ] {
+        let text = format!("newmtl a\n{}", (0..COUNT).map(line).collect::<String>());
+        let began = std::time::Instant::now();
+        let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl")).expect("read");
+        assert_eq!((library.textures.len(), library.pictures.len()), (textures, pictures));
+        let last = &library.pictures[pictures - 1];
+        assert_eq!((last.at.line, last.at.column), (pictures as u32 + 1, 1));
+        assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
+    }
+}
