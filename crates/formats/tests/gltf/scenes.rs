@@ -297,3 +297,61 @@ fn what_is_missing_is_told() {
         assert!(error.ends_with("s, but must be finite"), "{error}");
     }
 }
+
+/// What no weight and no skin bends is one mesh, however often it stands somewhere; what is bent is
+/// another one at each node, counts for the limits, and is refused before copies of a small file take
+/// a large machine.
+#[test]
+fn bent_copies_are_counted() {
+    let mut builder = Builder::triangle();
+    let up = builder.floats("VEC3", &[0.0, 0.0, 8.0].repeat(3));
+    let targets = json!([{"POSITION": up}]);
+    builder.json["meshes"][0]["primitives"][0]["targets"] = targets.clone();
+    let node = |weight: f32| json!({"mesh": 0, "weights": [weight]});
+    builder.json["nodes"] = json!([node(1.0), node(0.0), node(0.5), node(0.0)]);
+    builder.json["scenes"] = json!([{"nodes": [0, 1, 2, 3]}]);
+    let loaded = sound(&builder);
+    let heights: Vec<_> = loaded
+        .scene
+        .objects
+        .iter()
+        .map(|object| match object.shape {
+            Shape::Mesh(id) => loaded.scene.meshes[id.0 as usize].positions[0].z,
+            ref other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!((heights, loaded.scene.meshes.len()), (vec![8.0, 0.0, 4.0, 0.0], 3));
+    for (name, needed) in [("vertices", 9), ("triangles", 3)] {
+        let mut options = ReadOptions::default();
+        *options.limits.by_name(name).expect(name) = needed;
+        assert!(scene(&builder, &options).is_ok());
+        *options.limits.by_name(name).expect(name) = needed - 1;
+        let error = scene(&builder, &options).expect_err("too many");
+        let expected = format!(
+            "a.glb: {needed} {name}, but at most {} are allowed; allow more with --limit {name}=N",
+            needed - 1
+        );
+        assert_eq!(error, expected);
+    }
+
+    // Vertices that no bytes back: a copy takes 60,000 of 40 bytes, 20,000 triangles of 12.
+    let many =
+        builder.push("accessors", json!({"componentType": 5126, "type": "VEC3", "count": 60_000}));
+    let mut bomb = |targets: &serde_json::Value, weight| {
+        builder.json["meshes"] =
+            json!([{"primitives": [{"attributes": {"POSITION": many}, "targets": targets}]}]);
+        builder.json["nodes"] = json!(vec![node(weight); 100]);
+        builder.json["scenes"] = json!([{"nodes": (0..100).collect::<Vec<_>>()}]);
+        scene(&builder, &ReadOptions::default())
+    };
+    let targets = json!([{"POSITION": many}]);
+    let loaded = bomb(&targets, 0.0).expect("nothing bends it");
+    assert_eq!((loaded.scene.meshes.len(), loaded.scene.objects.len()), (1, 100));
+    // A target that says nothing bends nothing.
+    assert_eq!(bomb(&json!([{}]), 1.0).expect("nothing bends it").scene.meshes.len(), 1);
+    let error = bomb(&targets, 1.0).expect_err("too much");
+    assert!(
+        error.contains("bends its mesh, which makes, with those before it, copies of"),
+        "{error}"
+    );
+}
