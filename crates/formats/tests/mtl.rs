@@ -461,3 +461,22 @@ fn many_textures_are_read_at_once() {
         assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
     }
 }
+
+/// Very many materials with the same flaw are a few lines and a number.
+#[test]
+fn notes_on_materials_come_to_an_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.obj");
+    let group = |i: usize| format!("usemtl m{i}\nf 1/1 2/1 3/1\nf 1 2 3\n");
+    let groups: String = (0..1000).map(group).collect();
+    let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{groups}");
+    fs::write(&path, text).expect("written");
+    let notes = read_scene(&path, &ReadOptions::default()).expect("read").notes;
+    let about = |note: &&String| note.contains("without texture coordinates");
+    let about: Vec<_> = notes.iter().filter(about).collect();
+    assert_eq!(about.len(), 17);
+    assert!(about[15].ends_with(
+        "triangles of material \"m15\" without texture coordinates, given (0, 0): 1 of 2"
+    ));
+    assert!(about[16].contains(": … and 984 more materials with triangles"), "{}", about[16]);
+}

@@ -355,3 +355,47 @@ fn bent_copies_are_counted() {
         "{error}"
     );
 }
+
+/// Images that are the same bytes are one picture, unpacked once.
+#[test]
+fn one_view_is_one_picture() {
+    let mut builder = Builder::triangle();
+    let first = picture(&mut builder, [10, 20, 30, 255]);
+    let other = picture(&mut builder, [40, 50, 60, 255]);
+    let image = builder.json["images"][0].clone();
+    let image = builder.push("images", image);
+    let again = builder.push("textures", json!({"source": image}));
+    let primitive = |material| json!({"attributes": {"POSITION": 0}, "material": material});
+    builder.json["meshes"] = json!([{"primitives": [primitive(0), primitive(1), primitive(2)]}]);
+    for texture in [first, again, other] {
+        let color = json!({"baseColorTexture": {"index": texture}});
+        builder.push("materials", json!({"pbrMetallicRoughness": color}));
+    }
+    let scene = sound(&builder).scene;
+    assert_eq!((scene.textures.len(), scene.bitmaps.len()), (3, 2));
+    let shown = scene.materials.iter().map(|material| {
+        let id = principled(material).textures.base_color.expect("a picture");
+        texel(&scene, id).0[0]
+    });
+    assert_eq!(shown.collect::<Vec<_>>(), [10, 10, 40]);
+}
+
+/// Very many pictures that are missing are a few lines and a number.
+#[test]
+fn notes_on_pictures_come_to_an_end() {
+    let mut builder = Builder::triangle();
+    let mut primitives = Vec::new();
+    for i in 0..1000 {
+        builder.push("images", json!({"uri": format!("p{i}.png")}));
+        builder.push("textures", json!({"source": i}));
+        let color = json!({"baseColorTexture": {"index": i}});
+        builder.push("materials", json!({"pbrMetallicRoughness": color}));
+        primitives.push(json!({"attributes": {"POSITION": 0}, "material": i}));
+    }
+    builder.json["meshes"] = json!([{"primitives": primitives}]);
+    let notes = sound(&builder).notes;
+    assert!(notes.len() < 20, "{}", notes.len());
+    assert!(notes[15].contains("\"p15.png\""), "{}", notes[15]);
+    let more = "a.glb: … and 984 more pictures that cannot be read: magenta stands in";
+    assert!(notes.iter().any(|note| note == more), "{notes:?}");
+}
