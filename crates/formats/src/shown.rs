@@ -41,7 +41,7 @@ const MOST_ALIKE: usize = 16;
 
 /// Notes of one kind as lines, each behind its place: the first ones, and of more how many `what`
 /// there are.
-pub(crate) fn few<P: Display>(notes: Vec<(P, String)>, what: &str) -> Vec<String> {
+pub(crate) fn few<P: Display>(notes: &[(P, String)], what: &str) -> Vec<String> {
     // No line to say that there is one line more.
     let told = if notes.len() > MOST_ALIKE + 1 { MOST_ALIKE } else { notes.len() };
     let mut lines: Vec<_> =
@@ -70,8 +70,9 @@ mod tests {
     /// Seventeen notes are seventeen lines, and so are five thousand.
     #[test]
     fn notes_come_to_an_end() {
-        let notes =
-            |count: usize| few((0..count).map(|i| (i, "lost".to_owned())).collect(), "cups");
+        let notes = |count: usize| {
+            few(&(0..count).map(|i| (i, "lost".to_owned())).collect::<Vec<_>>(), "cups")
+        };
         assert_eq!(notes(0), [""; 0]);
         assert_eq!((notes(17).len(), &*notes(17)[16]), (17, "16: lost"));
         assert_eq!((notes(5000).len(), &*notes(5000)[15]), (17, "15: lost"));

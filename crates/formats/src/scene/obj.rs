@@ -585,9 +585,9 @@ impl Parsed<'_> {
         }
         let [no_uv, no_normal] = notes;
         let what = "materials with triangles without texture coordinates, given (0, 0)";
-        scene.notes.extend(few(no_uv, what));
+        scene.notes.extend(few(&no_uv, what));
         let what = "materials with triangles without normals, shaded flat";
-        scene.notes.extend(few(no_normal, what));
+        scene.notes.extend(few(&no_normal, what));
         Ok(scene)
     }
 

@@ -157,7 +157,7 @@ impl Pictures {
             bitmaps.push(Arc::new(bitmap));
         }
         let what = "pictures that cannot be read: magenta stands in";
-        notes.extend(few(missing, what));
+        notes.extend(few(&missing, what));
         Ok(bitmaps)
     }
 
