@@ -18,7 +18,8 @@ pub struct Limits {
     pub texture_bytes: u64,
     /// Pixels of the picture that a scene asks for.
     pub picture: u64,
-    /// Objects in a scene: each time a shape, or a part of a mesh file, is placed.
+    /// Objects in a scene: each time a shape, or a part of a mesh file, is placed. Each takes some
+    /// 350 bytes until it can be rendered.
     pub objects: u64,
     /// Levels of tables and arrays in each other in a scene's text.
     pub nesting: u64,
@@ -63,9 +64,9 @@ impl Default for Limits {
             vertices: 400_000_000,
             triangles: 400_000_000,
             pixels: 1 << 28,
-            texture_bytes: 8 << 30,
+            texture_bytes: 4 << 30,
             picture: 1 << 24,
-            objects: 10_000_000,
+            objects: 3_000_000,
             nesting: 64,
         }
     }

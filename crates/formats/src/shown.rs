@@ -1,5 +1,7 @@
 //! Words from strangers' files, made fit for a message.
 
+use std::fmt::Display;
+
 /// A longer word is cut: a message is a line, not a page.
 const LONGEST: usize = 64;
 
@@ -34,6 +36,22 @@ pub(crate) fn decode(bytes: &[u8]) -> String {
     }
 }
 
+/// More notes of one kind than this are counted: nobody reads them all.
+const MOST_ALIKE: usize = 16;
+
+/// Notes of one kind as lines, each behind its place: the first ones, and of more how many `what`
+/// there are.
+pub(crate) fn few<P: Display>(notes: &[(P, String)], what: &str) -> Vec<String> {
+    // No line to say that there is one line more.
+    let told = if notes.len() > MOST_ALIKE + 1 { MOST_ALIKE } else { notes.len() };
+    let mut lines: Vec<_> =
+        notes[..told].iter().map(|(place, text)| format!("{place}: {text}")).collect();
+    if let [(place, _), more @ ..] = &notes[told..] {
+        lines.push(format!("{place}: … and {} more {what}", more.len() + 1));
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +65,17 @@ mod tests {
         assert_eq!(quoted(b"\xe9"), "\"é\"");
         let long = quoted(format!("a{}", "é".repeat(100_000)).as_bytes());
         assert_eq!(long, format!("\"a{}…\"", "é".repeat(LONGEST - 1)));
+    }
+
+    /// Seventeen notes are seventeen lines, and so are five thousand.
+    #[test]
+    fn notes_come_to_an_end() {
+        let notes = |count: usize| {
+            few(&(0..count).map(|i| (i, "lost".to_owned())).collect::<Vec<_>>(), "cups")
+        };
+        assert_eq!(notes(0), [""; 0]);
+        assert_eq!((notes(17).len(), &*notes(17)[16]), (17, "16: lost"));
+        assert_eq!((notes(5000).len(), &*notes(5000)[15]), (17, "15: lost"));
+        assert_eq!(notes(5000)[16], "16: … and 4984 more cups");
     }
 }

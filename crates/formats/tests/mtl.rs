@@ -441,3 +441,42 @@ fn pictures_arrive() {
     let bumps = c.normal_map.expect("bumps");
     assert_eq!((shown(bumps.texture), bumps.scale), (("bumps.png", Encoding::Linear), 1.0));
 }
+
+/// Very many textures take a moment: each is looked up, and the file is walked once. When each was
+/// compared with all before it, these took minutes.
+#[test]
+fn many_textures_are_read_at_once() {
+    const COUNT: usize = 100_000;
+    for (line, textures, pictures) in [
+        (&(|i| format!("map_Kd p{i}.png\n")) as &dyn Fn(usize) -> String, COUNT, COUNT),
+        (&|i| format!("map_Kd -s {i} 1 p.png\n"), COUNT, 1),
+        (&|i| format!("map_Kd -o 0 {} p{}.png\n", i % 2, i % 3), 6, 3),
+    ] {
+        let text = format!("newmtl a\n{}", (0..COUNT).map(line).collect::<String>());
+        let began = std::time::Instant::now();
+        let library = mtl::read_bytes(text.as_bytes(), Path::new("a.mtl")).expect("read");
+        assert_eq!((library.textures.len(), library.pictures.len()), (textures, pictures));
+        let last = &library.pictures[pictures - 1];
+        assert_eq!((last.at.line, last.at.column), (pictures as u32 + 1, 1));
+        assert!(began.elapsed().as_secs() < 10, "{:?}", began.elapsed());
+    }
+}
+
+/// Very many materials with the same flaw are a few lines and a number.
+#[test]
+fn notes_on_materials_come_to_an_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.obj");
+    let group = |i: usize| format!("usemtl m{i}\nf 1/1 2/1 3/1\nf 1 2 3\n");
+    let groups: String = (0..1000).map(group).collect();
+    let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{groups}");
+    fs::write(&path, text).expect("written");
+    let notes = read_scene(&path, &ReadOptions::default()).expect("read").notes;
+    let about = |note: &&String| note.contains("without texture coordinates");
+    let about: Vec<_> = notes.iter().filter(about).collect();
+    assert_eq!(about.len(), 17);
+    assert!(about[15].ends_with(
+        "triangles of material \"m15\" without texture coordinates, given (0, 0): 1 of 2"
+    ));
+    assert!(about[16].contains(": … and 984 more materials with triangles"), "{}", about[16]);
+}

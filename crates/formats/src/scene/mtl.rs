@@ -44,7 +44,7 @@
 //! A metal's index from its colour: Gulbrandsen, *Artist Friendly Metallic
 //! Fresnel*, 2014, with white edges.
 
-use super::text::{Cursor, place, word_at};
+use super::text::{Cursor, Places, place, word_at};
 use crate::error::{SceneError, SceneErrorKind, Source};
 use crate::file;
 use crate::limits::Limits;
@@ -60,7 +60,7 @@ use rutilant::texture::{
     Channel, ColorInput, Encoding, ImageTexture, ScalarInput, UvMapping, Wrap,
 };
 use rutilant_geom::Vec2;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::Path;
 
 /// What an MTL file holds.
@@ -109,6 +109,9 @@ pub fn read_bytes(bytes: &[u8], path: &Path) -> Result<Library, SceneError> {
         library: Library::default(),
         names: HashSet::new(),
         repeated: None,
+        known_pictures: HashMap::new(),
+        known_textures: HashMap::new(),
+        places: Places::default(),
     };
     parser.lines()?;
     Ok(parser.library)
@@ -167,7 +170,16 @@ struct Parser<'a> {
     names: HashSet<String>,
     /// Materials that come again: how many, and where and which the first is.
     repeated: Option<(u64, usize, String)>,
+    /// Pictures by their names.
+    known_pictures: HashMap<String, BitmapId>,
+    known_textures: HashMap<TextureKey, TextureId>,
+    /// Where pictures stand.
+    places: Places,
 }
+
+/// All that tells one texture of an MTL file from another: its picture, the bits of its scale and
+/// offset, and the rest.
+type TextureKey = (BitmapId, [u32; 4], Wrap, Encoding);
 
 /// A colour is dark when no channel is brighter than this. Exporters write small numbers where
 /// they mean none.
@@ -334,18 +346,22 @@ impl<'a> Parser<'a> {
             return None;
         }
         let Library { textures, pictures, .. } = &mut self.library;
-        let known = pictures.iter().position(|picture| picture.name == name);
-        let bitmap = BitmapId(known.unwrap_or(pictures.len()) as u32);
-        if known.is_none() {
-            pictures.push(Picture { name, at: place(self.path, self.bytes, at) });
-        }
-        let wrap = [wrap; 2];
-        let texture = ImageTexture { mapping, wrap, encoding, ..ImageTexture::new(bitmap) };
-        let known = textures.iter().position(|other| *other == texture);
-        let id = TextureId(known.unwrap_or(textures.len()) as u32);
-        if known.is_none() {
-            textures.push(texture);
-        }
+        let bitmap = match self.known_pictures.get(&name) {
+            Some(id) => *id,
+            None => {
+                let id = BitmapId(pictures.len() as u32);
+                self.known_pictures.insert(name.clone(), id);
+                pictures.push(Picture { name, at: self.places.place(self.path, self.bytes, at) });
+                id
+            }
+        };
+        let UvMapping { scale, offset, .. } = mapping;
+        let bits = [scale.x, scale.y, offset.x, offset.y].map(f32::to_bits);
+        let id = *self.known_textures.entry((bitmap, bits, wrap, encoding)).or_insert_with(|| {
+            let wrap = [wrap; 2];
+            textures.push(ImageTexture { mapping, wrap, encoding, ..ImageTexture::new(bitmap) });
+            TextureId(textures.len() as u32 - 1)
+        });
         Some((id, height))
     }
 

@@ -20,14 +20,14 @@ use super::text::{Cursor, place, word_at};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
-use crate::shown::{quoted, shown};
+use crate::shown::{few, quoted, shown};
 use rutilant::material::{Material, MaterialKind};
 use rutilant::scene::{BitmapId, MaterialId};
 use rutilant::shape::Mesh;
 use rutilant::texture::ImageTexture;
 use rutilant_geom::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::{Display, Path, PathBuf};
 
 /// What an OBJ file holds.
 #[derive(Clone, Debug, Default)]
@@ -576,21 +576,27 @@ impl Parsed<'_> {
         }
 
         let mut welder = Welder::new(self.positions.len());
+        let mut notes = [Vec::new(), Vec::new()];
         for group in groups {
             let name = group.material.map(|m| self.materials[m].clone());
-            let mut mesh = self.mesh(&group, &mut welder, &mut scene.notes)?;
+            let mut mesh = self.mesh(&group, &mut welder, &mut notes)?;
             mesh.name = name.clone().unwrap_or_default();
             scene.meshes.push((mesh, name));
         }
+        let [no_uv, no_normal] = notes;
+        let what = "materials with triangles without texture coordinates, given (0, 0)";
+        scene.notes.extend(few(&no_uv, what));
+        let what = "materials with triangles without normals, shaded flat";
+        scene.notes.extend(few(&no_normal, what));
         Ok(scene)
     }
 
-    /// The mesh of one group.
-    fn mesh(
-        &self,
+    /// The mesh of one group; notes on triangles without texture coordinates, and without normals.
+    fn mesh<'s>(
+        &'s self,
         group: &Group,
         welder: &mut Welder,
-        notes: &mut Vec<String>,
+        notes: &mut [Vec<(Display<'s>, String)>; 2],
     ) -> Result<Mesh, SceneError> {
         let (has_uvs, has_normals) = (!group.vt.is_empty(), !group.vn.is_empty());
         let mut mesh = Mesh::default();
@@ -639,17 +645,20 @@ impl Parsed<'_> {
             Some(material) => format!("material {}", quoted(self.materials[material].as_bytes())),
             None => "no material".to_owned(),
         };
-        let (path, all) = (self.path.display(), mesh.triangles.len());
+        let all = mesh.triangles.len();
         let [no_uv, no_normal] = without;
         if no_uv > 0 {
-            notes.push(format!(
-                "{path}: triangles of {material} without texture coordinates, given (0, 0): \
-                 {no_uv} of {all}"
+            let what = "without texture coordinates, given (0, 0)";
+            notes[0].push((
+                self.path.display(),
+                format!("triangles of {material} {what}: {no_uv} of {all}"),
             ));
         }
         if no_normal > 0 {
-            notes.push(format!(
-                "{path}: triangles of {material} without normals, shaded flat: {no_normal} of {all}"
+            let what = "without normals, shaded flat";
+            notes[1].push((
+                self.path.display(),
+                format!("triangles of {material} {what}: {no_normal} of {all}"),
             ));
         }
         Ok(mesh)

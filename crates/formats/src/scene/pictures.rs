@@ -5,6 +5,7 @@ use super::origins::PictureOrigin;
 use crate::error::{ImageError, SceneError, SceneErrorKind, Source};
 use crate::image;
 use crate::limits::Limits;
+use crate::shown::few;
 use rayon::prelude::*;
 use rutilant::image::Image;
 use rutilant::scene::BitmapId;
@@ -60,17 +61,23 @@ pub(super) fn sky_picture<E>(
 pub(crate) struct Pictures {
     wanted: Vec<Wanted>,
     known: HashMap<PathBuf, BitmapId>,
+    /// By the address of bytes, which `wanted` keeps where they are.
+    known_bytes: HashMap<usize, BitmapId>,
 }
 
 impl Pictures {
-    /// Asks for a picture; the same file is asked for once.
+    /// Asks for a picture; the same file, or the same bytes in memory, are asked for once.
     pub(crate) fn want(&mut self, wanted: Wanted) -> BitmapId {
         let next = BitmapId(self.wanted.len() as u32);
-        if let From::File { identity, .. } = &wanted.from {
-            let id = *self.known.entry(identity.clone()).or_insert(next);
-            if id != next {
-                return id;
+        let id = match &wanted.from {
+            From::File { identity, .. } => *self.known.entry(identity.clone()).or_insert(next),
+            From::Bytes { bytes, .. } => {
+                *self.known_bytes.entry(Arc::as_ptr(bytes).addr()).or_insert(next)
             }
+            From::Nowhere { .. } => next,
+        };
+        if id != next {
+            return id;
         }
         self.wanted.push(wanted);
         next
@@ -120,6 +127,7 @@ impl Pictures {
         notes: &mut Vec<String>,
     ) -> Result<Vec<Arc<Bitmap>>, SceneError> {
         let mut left = limits.texture_bytes;
+        let mut missing = Vec::new();
         let mut bitmaps = Vec::with_capacity(self.wanted.len());
         // No more at once than threads can read: small files may hold large pictures, and those that
         // are too many in all must not all be there before that is known.
@@ -136,7 +144,7 @@ impl Pictures {
                     return Err(SceneError { at, kind });
                 }
                 Err(what) => {
-                    notes.push(format!("{}: {what}: magenta stands in", wanted.at));
+                    missing.push((&wanted.at, format!("{what}: magenta stands in")));
                     Bitmap::solid(MISSING)
                 }
             };
@@ -148,6 +156,8 @@ impl Pictures {
             })?;
             bitmaps.push(Arc::new(bitmap));
         }
+        let what = "pictures that cannot be read: magenta stands in";
+        notes.extend(few(&missing, what));
         Ok(bitmaps)
     }
 

@@ -291,20 +291,44 @@ pub(super) fn word_at(bytes: &[u8], at: usize) -> String {
 
 /// The place of byte `at` in the text `bytes` of `file`.
 pub(super) fn place(file: &Path, bytes: &[u8], at: usize) -> Source {
-    let before = &bytes[..at.min(bytes.len())];
-    let before = before.strip_prefix(b"\xef\xbb\xbf").unwrap_or(before);
-    let mut line = 1_u32;
-    let mut start = 0;
-    for (i, &byte) in before.iter().enumerate() {
-        let lone_return = byte == b'\r' && before.get(i + 1) != Some(&b'\n');
-        if byte == b'\n' || lone_return {
-            line = line.saturating_add(1);
-            start = i + 1;
+    Places::default().place(file, bytes, at)
+}
+
+/// Tells places of one file one after the other: each byte is looked at once, as long as they come
+/// in the order of the file.
+#[derive(Default)]
+pub(super) struct Places {
+    /// Before which byte lines are counted.
+    at: usize,
+    /// Lines that have ended.
+    ended: u32,
+    /// Where the last line begins.
+    start: usize,
+}
+
+impl Places {
+    /// As [`place`].
+    pub(super) fn place(&mut self, file: &Path, bytes: &[u8], at: usize) -> Source {
+        let at = at.min(bytes.len());
+        if at < self.at {
+            *self = Self::default();
         }
+        for (i, &byte) in (self.at..at).zip(&bytes[self.at..at]) {
+            let lone_return = byte == b'\r' && bytes.get(i + 1) != Some(&b'\n');
+            if byte == b'\n' || lone_return {
+                self.ended = self.ended.saturating_add(1);
+                self.start = i + 1;
+            }
+        }
+        self.at = at;
+        let line = &bytes[self.start..at];
+        let line =
+            if self.start == 0 { line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line) } else { line };
+        // In UTF-8 every character has one byte that is not of the form 10xxxxxx.
+        let column = line.iter().filter(|&&byte| byte & 0xc0 != 0x80).count() + 1;
+        let column = u32::try_from(column).unwrap_or(u32::MAX);
+        Source::at(file, self.ended.saturating_add(1), column)
     }
-    // In UTF-8 every character has one byte that is not of the form 10xxxxxx.
-    let column = before[start..].iter().filter(|&&byte| byte & 0xc0 != 0x80).count() + 1;
-    Source::at(file, line, u32::try_from(column).unwrap_or(u32::MAX))
 }
 
 #[cfg(test)]
@@ -399,6 +423,23 @@ mod tests {
         let text = "a\nb\r\nc\rdé f".as_bytes();
         for (at, line, column) in [(0, 1, 1), (2, 2, 1), (5, 3, 1), (7, 4, 1), (11, 4, 4)] {
             assert_eq!(place(Path::new("x"), text, at), Source::at("x", line, column), "byte {at}");
+        }
+    }
+
+    /// Places told one after the other are those that are counted from the beginning, with every
+    /// end of a line, and backwards as well.
+    #[test]
+    fn places_told_in_turn_are_those_told_alone() {
+        let text = "\u{feff}a\r\nb\rc\n\n dé\r\r\ne".as_bytes();
+        let file = Path::new("a.mtl");
+        let mut places = Places::default();
+        for at in (0..=text.len()).chain((0..=text.len()).rev().step_by(3)) {
+            assert_eq!(places.place(file, text, at), place(file, text, at), "byte {at}");
+        }
+        for (at, line, column) in
+            [(3, 1, 1), (6, 2, 1), (8, 3, 1), (12, 5, 2), (15, 5, 4), (18, 7, 1)]
+        {
+            assert_eq!(place(file, text, at), Source::at(file, line, column), "byte {at}");
         }
     }
 }

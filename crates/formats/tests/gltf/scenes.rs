@@ -349,3 +349,105 @@ fn what_is_missing_is_told() {
         assert!(error.ends_with("s, but must be finite"), "{error}");
     }
 }
+
+/// What no weight and no skin bends is one mesh, however often it stands somewhere; what is bent is
+/// another one at each node, counts for the limits, and is refused before copies of a small file take
+/// a large machine.
+#[test]
+fn bent_copies_are_counted() {
+    let mut builder = Builder::triangle();
+    let up = builder.floats("VEC3", &[0.0, 0.0, 8.0].repeat(3));
+    let targets = json!([{"POSITION": up}]);
+    builder.json["meshes"][0]["primitives"][0]["targets"] = targets.clone();
+    let node = |weight: f32| json!({"mesh": 0, "weights": [weight]});
+    builder.json["nodes"] = json!([node(1.0), node(0.0), node(0.5), node(0.0)]);
+    builder.json["scenes"] = json!([{"nodes": [0, 1, 2, 3]}]);
+    let loaded = sound(&builder);
+    let heights: Vec<_> = loaded
+        .scene
+        .objects
+        .iter()
+        .map(|object| match object.shape {
+            Shape::Mesh(id) => loaded.scene.meshes[id.0 as usize].positions[0].z,
+            ref other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!((heights, loaded.scene.meshes.len()), (vec![8.0, 0.0, 4.0, 0.0], 3));
+    for (name, needed) in [("vertices", 9), ("triangles", 3)] {
+        let mut options = ReadOptions::default();
+        *options.limits.by_name(name).expect(name) = needed;
+        assert!(scene(&builder, &options).is_ok());
+        *options.limits.by_name(name).expect(name) = needed - 1;
+        let error = scene(&builder, &options).expect_err("too many");
+        let expected = format!(
+            "a.glb: {needed} {name}, but at most {} are allowed; allow more with --limit {name}=N",
+            needed - 1
+        );
+        assert_eq!(error, expected);
+    }
+
+    // Vertices that no bytes back: a copy takes 60,000 of 40 bytes, 20,000 triangles of 12.
+    let many =
+        builder.push("accessors", json!({"componentType": 5126, "type": "VEC3", "count": 60_000}));
+    let mut bomb = |targets: &serde_json::Value, weight| {
+        builder.json["meshes"] =
+            json!([{"primitives": [{"attributes": {"POSITION": many}, "targets": targets}]}]);
+        builder.json["nodes"] = json!(vec![node(weight); 100]);
+        builder.json["scenes"] = json!([{"nodes": (0..100).collect::<Vec<_>>()}]);
+        scene(&builder, &ReadOptions::default())
+    };
+    let targets = json!([{"POSITION": many}]);
+    let loaded = bomb(&targets, 0.0).expect("nothing bends it");
+    assert_eq!((loaded.scene.meshes.len(), loaded.scene.objects.len()), (1, 100));
+    // A target that says nothing bends nothing.
+    assert_eq!(bomb(&json!([{}]), 1.0).expect("nothing bends it").scene.meshes.len(), 1);
+    let error = bomb(&targets, 1.0).expect_err("too much");
+    assert!(
+        error.contains("bends its mesh, which makes, with those before it, copies of"),
+        "{error}"
+    );
+}
+
+/// Images that are the same bytes are one picture, unpacked once.
+#[test]
+fn one_view_is_one_picture() {
+    let mut builder = Builder::triangle();
+    let first = picture(&mut builder, [10, 20, 30, 255]);
+    let other = picture(&mut builder, [40, 50, 60, 255]);
+    let image = builder.json["images"][0].clone();
+    let image = builder.push("images", image);
+    let again = builder.push("textures", json!({"source": image}));
+    let primitive = |material| json!({"attributes": {"POSITION": 0}, "material": material});
+    builder.json["meshes"] = json!([{"primitives": [primitive(0), primitive(1), primitive(2)]}]);
+    for texture in [first, again, other] {
+        let color = json!({"baseColorTexture": {"index": texture}});
+        builder.push("materials", json!({"pbrMetallicRoughness": color}));
+    }
+    let scene = sound(&builder).scene;
+    assert_eq!((scene.textures.len(), scene.bitmaps.len()), (3, 2));
+    let shown = scene.materials.iter().map(|material| {
+        let id = principled(material).textures.base_color.expect("a picture");
+        texel(&scene, id).0[0]
+    });
+    assert_eq!(shown.collect::<Vec<_>>(), [10, 10, 40]);
+}
+
+/// Very many pictures that are missing are a few lines and a number.
+#[test]
+fn notes_on_pictures_come_to_an_end() {
+    let mut builder = Builder::triangle();
+    let mut primitives = Vec::new();
+    for i in 0..1000 {
+        builder.push("images", json!({"uri": format!("p{i}.png")}));
+        builder.push("textures", json!({"source": i}));
+        let color = json!({"baseColorTexture": {"index": i}});
+        builder.push("materials", json!({"pbrMetallicRoughness": color}));
+        primitives.push(json!({"attributes": {"POSITION": 0}, "material": i}));
+    }
+    builder.json["meshes"] = json!([{"primitives": primitives}]);
+    let notes = sound(&builder).notes;
+    assert!(notes.len() < 20, "{}", notes.len());
+    assert!(notes[15].contains("\"p15.png\""), "{}", notes[15]);
+    let more = "a.glb: … and 984 more pictures that cannot be read: magenta stands in";
+    assert!(notes.iter().any(|note| note == more), "{notes:?}");
+}

@@ -13,6 +13,7 @@ use crate::texture::{
 };
 use rayon::prelude::*;
 use rutilant_geom::{Hit, Ray, Vec2, Vec3};
+use std::collections::{HashMap, HashSet};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -62,33 +63,37 @@ impl PreparedTextures {
     /// Makes the smaller versions of all pictures, but for those that there were `before`.
     pub(super) fn new(scene: &Scene, before: Option<&Self>, notes: &mut Vec<Note>) -> Self {
         let mut wanted: Vec<(usize, Encoding)> = Vec::new();
+        let mut places: HashMap<(usize, Encoding), usize> = HashMap::new();
         for texture in &scene.textures {
             match texture {
                 Texture::Image(image) => {
                     let one = (image.bitmap.0 as usize, image.encoding);
-                    if !wanted.contains(&one) {
+                    places.entry(one).or_insert_with(|| {
                         wanted.push(one);
-                    }
+                        wanted.len() - 1
+                    });
                 }
                 Texture::Checker(_) | Texture::Bricks(_) | Texture::Noise(_) => {}
             }
         }
+        // As long as both are there, no two bitmaps stand at one address.
+        let key = |bitmap: &Arc<Bitmap>, encoding| (Arc::as_ptr(bitmap).addr(), encoding);
         let known = before.map_or(&[][..], |before| &before.pyramids);
+        let known: HashMap<_, &Shown> =
+            known.iter().map(|shown| (key(&shown.bitmap, shown.encoding), shown)).collect();
         let show = |&(bitmap, encoding): &(usize, Encoding)| {
             let bitmap = &scene.bitmaps[bitmap];
-            let same = |s: &&Shown| Arc::ptr_eq(&s.bitmap, bitmap) && s.encoding == encoding;
-            known.iter().find(same).cloned().unwrap_or_else(|| Shown::new(bitmap, encoding))
+            let same = known.get(&key(bitmap, encoding)).copied().cloned();
+            same.unwrap_or_else(|| Shown::new(bitmap, encoding))
         };
         let pyramids: Vec<Shown> = wanted.par_iter().map(show).collect();
         // Of a picture that several textures show, the first tells.
-        let mut told: Vec<u32> = Vec::new();
+        let mut told: HashSet<u32> = HashSet::new();
         let prepare = |(i, texture): (usize, &Texture)| match texture {
             Texture::Image(image) => {
                 let one = (image.bitmap.0 as usize, image.encoding);
-                let at = wanted.iter().position(|w| *w == one).unwrap_or(0);
-                let Shown { pyramid, mended, .. } = &pyramids[at];
-                if *mended > 0 && !told.contains(&image.bitmap.0) {
-                    told.push(image.bitmap.0);
+                let Shown { pyramid, mended, .. } = &pyramids[places[&one]];
+                if *mended > 0 && told.insert(image.bitmap.0) {
                     notes.push(Place::Texture(i).note(format!(
                         "{mended} of its values, above 1e18 or no numbers, count as 0"
                     )));

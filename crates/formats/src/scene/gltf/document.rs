@@ -66,6 +66,8 @@ pub struct Document {
     pub files: Vec<PathBuf>,
     /// The document's own file, for messages.
     pub(super) file: PathBuf,
+    /// Bytes that copies of bent meshes may take.
+    pub(super) bendable: u64,
     /// Every node once, parents first.
     pub(super) order: Vec<usize>,
 }
@@ -238,6 +240,7 @@ fn parts(
         images,
         variants,
         notes: Vec::new(),
+        bendable: accessors.store.budget.bendable(),
         files: accessors.store.files,
         file: path.to_owned(),
         order,

@@ -9,7 +9,7 @@
 
 use super::animation::Target;
 use super::document::Document;
-use super::mesh::Primitive;
+use super::mesh::{MorphTarget, Primitive};
 use super::node::{Parts, Placement, direction};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::affine::{Affine, double, single};
@@ -219,6 +219,30 @@ impl Document {
         bent
     }
 
+    /// Whether the vertices of a node's primitive are others than the primitive's own.
+    pub(super) fn is_bent(&self, pose: &Pose, node: usize, primitive: &Primitive) -> bool {
+        self.nodes[node].skin.is_some() || self.morphing(pose, node, primitive).next().is_some()
+    }
+
+    /// The morph targets that change anything, and their weights.
+    fn morphing<'a>(
+        &'a self,
+        pose: &'a Pose,
+        node: usize,
+        primitive: &'a Primitive,
+    ) -> impl Iterator<Item = (&'a MorphTarget, f32)> {
+        let own = self.nodes[node].weights.as_deref();
+        let mesh = self.nodes[node].mesh.and_then(|mesh| self.meshes.get(mesh));
+        let weights = pose.weights.get(&node).map(Vec::as_slice).or(own);
+        let weights = weights.or(mesh.map(|mesh| &mesh.weights[..])).unwrap_or_default();
+        let counts = |(target, weight): &(&MorphTarget, f32)| {
+            let MorphTarget { positions, normals, tangents } = target;
+            let changes = positions.is_some() || normals.is_some() || tangents.is_some();
+            changes && *weight != 0.0
+        };
+        primitive.targets.iter().zip(weights.iter().copied()).filter(counts)
+    }
+
     /// The vertices with what morph targets add.
     fn morphed(&self, pose: &Pose, node: usize, primitive: &Primitive) -> Bent {
         let mut bent = Bent {
@@ -226,12 +250,7 @@ impl Document {
             normals: primitive.normals.clone(),
             tangents: primitive.tangents.clone(),
         };
-        let own = self.nodes[node].weights.as_deref();
-        let mesh = self.nodes[node].mesh.and_then(|mesh| self.meshes.get(mesh));
-        let weights = pose.weights.get(&node).map(Vec::as_slice).or(own);
-        let weights = weights.or(mesh.map(|mesh| &mesh.weights[..])).unwrap_or_default();
-        let targets = primitive.targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0);
-        for (target, &weight) in targets {
+        for (target, weight) in self.morphing(pose, node, primitive) {
             let add = |to: &mut Arc<Vec<Vec3>>, change: &Option<Arc<Vec<Vec3>>>| {
                 let Some(change) = change else { return };
                 let pairs = Arc::make_mut(to).iter_mut().zip(change.iter());

@@ -14,7 +14,8 @@ use super::pose::{Moment, Placed, Pose};
 use super::texture::{Filter, ImageBytes, TextureRef, UvTransform, Wrap as WrittenWrap};
 use super::uri;
 use crate::camera::{AuthoredCamera, CameraKind};
-use crate::error::{SceneError, Source};
+use crate::error::{SceneError, SceneErrorKind, Source};
+use crate::limits::Limits;
 use crate::options::{CameraChoice, ReadOptions, SkyChoice};
 use crate::scene::bare;
 use crate::scene::called;
@@ -59,7 +60,7 @@ pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene
         maker.notes.push(format!("{}: {NOTHING_MOVES}", path.display()));
     }
     for placed in &placed {
-        maker.place(placed, &pose);
+        maker.place(placed, &pose)?;
     }
     for light in placed.iter().filter_map(|p| Some((p.light?, &p.world_from_node))) {
         maker.add_light(light.0, light.1);
@@ -92,7 +93,7 @@ pub(crate) fn model(
     let placed = document.placed(None, &pose)?;
     let mut maker = Maker::new(&document, path, None, options);
     for placed in &placed {
-        maker.place(placed, &pose);
+        maker.place(placed, &pose)?;
     }
     let lights = placed.iter().filter(|placed| placed.light.is_some()).count();
     let cameras = placed.iter().filter(|placed| placed.camera.is_some()).count();
@@ -161,7 +162,19 @@ struct Maker<'d> {
     materials: HashMap<(Option<usize>, bool), MaterialId>,
     /// By mesh, primitive, and the set of coordinates that tangents are wanted for.
     meshes: HashMap<(usize, usize, Option<u32>), MeshId>,
+    limits: &'d Limits,
+    /// What the meshes of the scene take.
+    taken: Taken,
     notes: Vec<String>,
+}
+
+/// What has been taken of all that a document may take.
+#[derive(Default)]
+struct Taken {
+    vertices: u64,
+    triangles: u64,
+    /// Bytes of meshes that are bent.
+    bent: u64,
 }
 
 impl<'d> Maker<'d> {
@@ -183,13 +196,15 @@ impl<'d> Maker<'d> {
             textures: HashMap::new(),
             materials: HashMap::new(),
             meshes: HashMap::new(),
+            limits: &options.limits,
+            taken: Taken::default(),
             notes: document.notes.clone(),
         }
     }
 
     /// Puts a node's mesh into the scene.
-    fn place(&mut self, placed: &Placed, pose: &Pose) {
-        let Some(number) = placed.mesh else { return };
+    fn place(&mut self, placed: &Placed, pose: &Pose) -> Result<(), SceneError> {
+        let Some(number) = placed.mesh else { return Ok(()) };
         let document = self.document;
         for (i, primitive) in document.meshes[number].primitives.iter().enumerate() {
             let written = document.material(primitive, self.variant);
@@ -197,22 +212,27 @@ impl<'d> Maker<'d> {
             let wanted = written.and_then(|m| tangents_of(&document.materials[m]));
             let tangents = wanted.filter(|_| primitive.tangents.is_none());
             // What is bent is another mesh at every node.
-            let bends = placed.skin.is_some() || !primitive.targets.is_empty();
+            let bends = document.is_bent(pose, placed.node, primitive);
             let key = (number, i, tangents);
-            let known = self.meshes.get(&key).copied().filter(|_| !bends);
-            let mesh = known.unwrap_or_else(|| {
-                let bent = document.bent(pose, placed.node, primitive);
-                let mut mesh = mesh_of(primitive, &document.meshes[number].name);
-                mesh.positions = Arc::unwrap_or_clone(bent.positions);
-                mesh.normals = bent.normals.map(Arc::unwrap_or_clone).unwrap_or_default();
-                mesh.tangents = bent.tangents.map(Arc::unwrap_or_clone).unwrap_or_default();
-                if let Some(set) = tangents {
-                    mesh = mesh.with_tangents(set as usize);
+            let mesh = match self.meshes.get(&key).filter(|_| !bends) {
+                Some(known) => *known,
+                None => {
+                    self.take(placed.node, primitive, bends)?;
+                    let bent = document.bent(pose, placed.node, primitive);
+                    let mut mesh = mesh_of(primitive, &document.meshes[number].name);
+                    mesh.positions = Arc::unwrap_or_clone(bent.positions);
+                    mesh.normals = bent.normals.map(Arc::unwrap_or_clone).unwrap_or_default();
+                    mesh.tangents = bent.tangents.map(Arc::unwrap_or_clone).unwrap_or_default();
+                    if let Some(set) = tangents {
+                        mesh = mesh.with_tangents(set as usize);
+                    }
+                    let id = self.scene.add_mesh(mesh);
+                    if !bends {
+                        self.meshes.insert(key, id);
+                    }
+                    id
                 }
-                let id = self.scene.add_mesh(mesh);
-                self.meshes.insert(key, id);
-                id
-            });
+            };
             let copies = placed.copies.as_deref();
             let each = copies.map_or(1, Vec::len);
             for k in 0..each {
@@ -235,6 +255,39 @@ impl<'d> Maker<'d> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Counts a mesh that the scene gets for a node, before it is made.
+    fn take(&mut self, node: usize, primitive: &Primitive, bends: bool) -> Result<(), SceneError> {
+        let (taken, limits) = (&mut self.taken, self.limits);
+        let vertices = primitive.positions.len() as u64;
+        let triangles = primitive.triangles.len() as u64;
+        taken.vertices = taken.vertices.saturating_add(vertices);
+        taken.triangles = taken.triangles.saturating_add(triangles);
+        let refused = |kind| Err(SceneError::in_file(self.path, kind));
+        for (what, asked, allowed) in [
+            ("vertices", taken.vertices, limits.vertices.min(u64::from(u32::MAX))),
+            ("triangles", taken.triangles, limits.triangles),
+        ] {
+            if asked > allowed {
+                return refused(SceneErrorKind::Limit { what, asked, allowed });
+            }
+        }
+        if bends {
+            // A position, a normal and a tangent, perhaps a colour, and texture coordinates.
+            let each = 12 + 12 + 16 + 16 * primitive.colors.len().min(1) + 8 * primitive.uvs.len();
+            let bytes = vertices.saturating_mul(each as u64).saturating_add(12 * triangles);
+            taken.bent = taken.bent.saturating_add(bytes);
+            let (bent, allowed) = (taken.bent, self.document.bendable);
+            if bent > allowed {
+                return refused(SceneErrorKind::Invalid(format!(
+                    "nodes[{node}] bends its mesh, which makes, with those before it, copies of \
+                     {bent} bytes, but for files of this size at most {allowed} are allowed"
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn add_light(&mut self, number: usize, world: &Transform) {

@@ -25,6 +25,10 @@ const GROWTH: u64 = 128;
 /// Bytes in arrays that any file may have.
 const FREE: u64 = 1 << 20;
 
+/// Bytes in copies of meshes that skins and morph targets bend, beside [`GROWTH`] for each byte of
+/// the files: each node has a copy of its own, and is told in a few bytes.
+const FREE_BENT: u64 = 32 << 20;
+
 /// How many bytes arrays may still take.
 pub(super) struct Budget {
     used: u64,
@@ -40,6 +44,11 @@ impl Budget {
     /// How many are left.
     pub(super) fn left(&self) -> u64 {
         self.all.saturating_sub(self.used)
+    }
+
+    /// Bytes that copies of bent meshes may take, beside the arrays.
+    pub(super) fn bendable(&self) -> u64 {
+        self.present.saturating_mul(GROWTH).saturating_add(FREE_BENT)
     }
 
     /// Charges `count` things of `size` bytes each.
