@@ -12,6 +12,7 @@ pub mod mitsuba;
 pub mod mtl;
 pub(crate) mod native;
 mod nearest;
+mod notes;
 pub mod obj;
 pub(crate) mod origins;
 pub(crate) mod pbrt;

@@ -289,18 +289,24 @@ pub(super) fn word_at(bytes: &[u8], at: usize) -> String {
     quoted(Cursor::at(bytes, at).word())
 }
 
+/// The last byte of each line end, in their order.
+pub(super) fn line_ends(bytes: &[u8]) -> impl Iterator<Item = usize> {
+    let ends = |&(i, &byte): &(usize, &u8)| {
+        let lone_return = byte == b'\r' && bytes.get(i + 1) != Some(&b'\n');
+        byte == b'\n' || lone_return
+    };
+    bytes.iter().enumerate().filter(ends).map(|(i, _)| i)
+}
+
 /// The place of byte `at` in the text `bytes` of `file`.
 pub(super) fn place(file: &Path, bytes: &[u8], at: usize) -> Source {
     let before = &bytes[..at.min(bytes.len())];
     let before = before.strip_prefix(b"\xef\xbb\xbf").unwrap_or(before);
     let mut line = 1_u32;
     let mut start = 0;
-    for (i, &byte) in before.iter().enumerate() {
-        let lone_return = byte == b'\r' && before.get(i + 1) != Some(&b'\n');
-        if byte == b'\n' || lone_return {
-            line = line.saturating_add(1);
-            start = i + 1;
-        }
+    for end in line_ends(before) {
+        line = line.saturating_add(1);
+        start = end + 1;
     }
     // In UTF-8 every character has one byte that is not of the form 10xxxxxx.
     let column = before[start..].iter().filter(|&&byte| byte & 0xc0 != 0x80).count() + 1;

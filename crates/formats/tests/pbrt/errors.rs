@@ -3,12 +3,16 @@
 use crate::{read, said, sound};
 use rutilant_formats::{Limits, ReadOptions, SceneErrorKind, parse_pbrt};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 /// Each mistake with its one line.
 #[test]
 fn errors_name_the_place() {
     for (text, expected) in [
         // The text itself.
+        ("", "a.pbrt: there is nothing to see in it"),
+        ("# nothing", "a.pbrt: there is nothing to see in it"),
+        ("Camera \"perspective\" WorldBegin", "a.pbrt: there is nothing to see in it"),
         ("Shpae \"sphere\"", "a.pbrt:1:1: no statement \"Shpae\"; did you mean \"Shape\"?"),
         ("\n  \"sphere\"", "a.pbrt:2:3: \"sphere\" stands where a statement must begin"),
         ("Identity ]", "a.pbrt:1:10: ] stands where a statement must begin"),
@@ -167,6 +171,8 @@ fn what_is_left_out_is_told_once() {
         notes,
         [
             "a.pbrt:1:1: Option is left out",
+            "a.pbrt:2:1: there is no WorldBegin before the first thing of the world: it counts as if \
+             there were",
             "a.pbrt:5:1: paths are traced where the scene asks for Integrator \"mlt\"",
             "a.pbrt:2:16: \"colour\" of Shape \"sphere\" is left out",
             "a.pbrt:4:1: materials of type \"hair\" are not made: grey stands in",
@@ -175,13 +181,28 @@ fn what_is_left_out_is_told_once() {
     );
 }
 
+/// What stands on the wrong side of `WorldBegin` counts, and is told.
+#[test]
+fn sides_of_the_world_are_told() {
+    let said = |text: &str| sound(text).notes.join("\n");
+    let right = "Camera \"perspective\" WorldBegin LightSource \"infinite\" Shape \"sphere\"";
+    assert!(!said(right).contains("WorldBegin"), "{}", said(right));
+    for wrong in [
+        "WorldBegin LightSource \"infinite\" Camera \"perspective\"",
+        "LightSource \"infinite\"",
+        "Shape \"sphere\"",
+    ] {
+        assert!(said(wrong).contains("WorldBegin"), "{wrong}");
+    }
+}
+
 /// Ten thousand and more levels end in a line, and take no stack.
 #[test]
 fn nesting_is_limited() {
     for (begin, end) in
         [("AttributeBegin\n", "AttributeEnd\n"), ("TransformBegin\n", "TransformEnd\n")]
     {
-        let text = begin.repeat(100_000) + &end.repeat(100_000);
+        let text = begin.repeat(100_000) + &end.repeat(100_000) + "Shape \"sphere\"";
         assert_eq!(
             said(&text),
             "a.pbrt:65:1: 65 levels of nesting, but at most 64 are allowed; allow more with \
@@ -209,7 +230,40 @@ fn nesting_is_limited() {
             matches!(error.kind, SceneErrorKind::Limit { what: "levels of nesting", .. }),
             "{error}"
         );
+        // Whatever the limit, calls within calls end.
+        let limits = Limits { nesting: u64::MAX, ..Limits::default() };
+        let options = ReadOptions { limits, ..ReadOptions::default() };
+        let error = parse_pbrt(text.into(), Path::new("a.pbrt"), &options).expect_err("too deep");
+        assert!(
+            matches!(
+                error.kind,
+                SceneErrorKind::Limit { what: "levels of nesting", allowed: 100, .. }
+            ),
+            "{error}"
+        );
     }
+}
+
+/// As many levels as can be allowed, of mixtures and of a texture in the innermost, fit in a stack.
+#[test]
+fn the_deepest_nesting_fits() {
+    let mut text = "Texture \"t0\" \"float\" \"constant\"\n".to_owned();
+    for i in 1..100 {
+        let last = i - 1;
+        text += &format!("Texture \"t{i}\" \"float\" \"scale\" \"texture tex\" \"t{last}\"\n");
+    }
+    text += "MakeNamedMaterial \"m0\" \"string type\" \"diffuse\" \"texture sigma\" \"t99\"\n";
+    text += "MakeNamedMaterial \"n\" \"string type\" \"diffuse\"\n";
+    for i in 1..100 {
+        let last = i - 1;
+        text += &format!(
+            "MakeNamedMaterial \"m{i}\" \"string type\" \"mix\" \"string materials\" [ \"n\" \"m{last}\" ]\n"
+        );
+    }
+    text += "NamedMaterial \"m99\" Shape \"sphere\"";
+    let limits = Limits { nesting: 100, ..Limits::default() };
+    let options = ReadOptions { limits, ..ReadOptions::default() };
+    parse_pbrt(text.into(), Path::new("a.pbrt"), &options).expect("deep, but allowed");
 }
 
 /// Objects count when they are placed, not when they are told.
@@ -226,4 +280,18 @@ fn objects_are_limited() {
         error.to_string(),
         "a.pbrt:153:1: 5100 objects, but at most 5000 are allowed; allow more with --limit objects=N"
     );
+}
+
+/// What few lines ask for is counted before any of it is made: 25 million objects are refused in no
+/// time.
+#[test]
+fn objects_are_counted_first() {
+    let mut text = "ObjectBegin \"a\"\n".to_owned();
+    text += &"Shape \"sphere\"\n".repeat(5000);
+    text += "ObjectEnd\n";
+    text += &"ObjectInstance \"a\"\n".repeat(5000);
+    let start = Instant::now();
+    assert!(said(&text).contains("10005000 objects, but at most 10000000"));
+    // Placing them would take many times as long, on any machine.
+    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
 }

@@ -10,6 +10,7 @@ use crate::camera::{
 };
 use crate::error::SceneError;
 use crate::scene::affine::single;
+use crate::scene::framing::rescaled;
 use crate::shown::shown;
 use rutilant::film::Filter;
 use rutilant::settings::{Crop, IntegratorKind, Settings};
@@ -174,7 +175,7 @@ impl Maker<'_, '_> {
         let [width, height] = settings.size;
         let pixels = u64::from(width) * u64::from(height);
         let allowed = self.options.limits.picture;
-        if pixels > allowed {
+        if pixels > allowed && self.options.size.is_none() {
             let kind = crate::error::SceneErrorKind::Limit {
                 what: "pixels of the picture",
                 asked: pixels,
@@ -190,6 +191,23 @@ impl Maker<'_, '_> {
         };
         if crop != (Crop { x: 0, y: 0, width, height }) {
             settings.crop = Some(crop);
+        }
+        // What the caller asks for has the film's shape, and the same part of it is cut out.
+        if let Some(size) = self.options.size {
+            settings.size = size;
+            settings.crop = settings.crop.map(|crop| {
+                let [x0, x1] = [crop.x, crop.x.saturating_add(crop.width)]
+                    .map(|at| rescaled(at, width, size[0]));
+                let [y0, y1] = [crop.y, crop.y.saturating_add(crop.height)]
+                    .map(|at| rescaled(at, height, size[1]));
+                // One pixel is left at least.
+                Crop {
+                    x: x0.min(size[0].saturating_sub(1)),
+                    y: y0.min(size[1].saturating_sub(1)),
+                    width: (x1 - x0).max(1),
+                    height: (y1 - y0).max(1),
+                }
+            });
         }
         film.pass_over(&[
             "file_format",

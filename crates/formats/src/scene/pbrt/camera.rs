@@ -9,7 +9,6 @@
 use super::description::{Description, Eye};
 use super::film::Film;
 use super::lexer::{Place, Texts};
-use super::notes::Notes;
 use super::parameters::Parameters;
 use crate::camera::{
     AngleOfView, Aperture, AuthoredCamera, AuthoredLens, CameraKind, FocusOn, SENSOR_HEIGHT_MM,
@@ -17,6 +16,7 @@ use crate::camera::{
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::affine::{Affine, single};
 use crate::scene::nearest::nearest;
+use crate::scene::notes::Notes;
 use crate::shown::shown;
 use rutilant::settings::Crop;
 use rutilant_geom::{DVec3, real};

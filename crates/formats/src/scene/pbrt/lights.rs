@@ -348,21 +348,24 @@ fn mirrored(picture: &Image) -> Image {
     same.unwrap_or_else(|| picture.clone())
 }
 
-/// The luminance that falls onto the ground from the upper half of a sky.
+/// The luminance that falls onto the ground from the upper half of a sky; of a map of equal areas
+/// half of it, for so does pbrt-v4 reckon.
 fn upper_illuminance(picture: &Image, projection: Projection) -> f32 {
     let Some(pixels) = picture.rgb() else { return 0.0 };
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let mut sum = 0.0_f64;
     for (i, pixel) in pixels.into_iter().enumerate() {
         let (column, row) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        // How high a pixel stands, and its solid angle.
+        // How high a pixel stands, and the solid angle that it counts for.
         let (up, angle) = match projection {
             Projection::Octahedral => {
                 let [u, v] =
                     [column / width as f64, row / height as f64].map(|x| (2.0 * x - 1.0).abs());
                 let inside = 1.0 - (u + v);
                 let radius = 1.0 - inside.abs();
-                let angle = 4.0 * std::f64::consts::PI / (width * height) as f64;
+                // All pixels are a sphere, but pbrt-v4 takes them for its upper half alone, so that
+                // its skies are twice as bright as they say (lights.cpp, `Light::Create`).
+                let angle = 2.0 * std::f64::consts::PI / (width * height) as f64;
                 ((1.0 - radius * radius) * inside.signum(), angle)
             }
             Projection::Equirectangular | Projection::Cube => {

@@ -1,8 +1,8 @@
 //! What statements are told in: `"float radius" [ 2 ]`, each with its type, its name and its place.
 
 use super::lexer::{Kind, Lexer, Place, Texts, number, whole};
-use super::notes::Notes;
 use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::notes::Notes;
 use crate::shown::shown;
 use std::cell::Cell;
 use std::rc::Rc;

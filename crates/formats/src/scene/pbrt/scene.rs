@@ -6,7 +6,6 @@ use super::film::{self, Film};
 use super::lexer::{Place, Texts};
 use super::lights::{self, World};
 use super::materials::Which;
-use super::notes::Notes;
 use super::parser::Parser;
 use super::shapes::{self, PlyFiles};
 use super::spectra::{Library, told};
@@ -23,6 +22,7 @@ use crate::scene::files::Files;
 use crate::scene::framing::seen_whole;
 use crate::scene::loaded::{LoadedScene, TextureName, camera_named};
 use crate::scene::nearest::nearest;
+use crate::scene::notes::Notes;
 use crate::scene::origins::{MeshOrigin, Origins, PictureOrigin};
 use crate::scene::pictures::Pictures;
 use crate::shown::shown;
@@ -37,6 +37,10 @@ use rutilant_geom::DVec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Textures of textures and mixtures of mixtures are followed by calls within calls: deeper ones are
+/// refused whatever the limits say. So many of both fit into the 2 MB of stack that a thread has.
+const DEEPEST: u64 = 100;
 
 /// Reads a `.pbrt` file as a scene.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
@@ -75,6 +79,9 @@ pub(crate) fn read_bytes(
         .map(|placed| std::mem::replace(&mut placed.form, Form::File(0)))
         .collect();
     let names = Names::of(&description);
+    limits = options.limits;
+    limits.nesting = limits.nesting.min(DEEPEST);
+    let options = &ReadOptions { limits, ..*options };
     let mut maker = Maker {
         description: &description,
         texts: &texts,
@@ -393,9 +400,9 @@ impl<'d> Maker<'d> {
             let name = Arc::clone(&shapes[number].name);
             self.object(name, &shapes[number], &Affine::IDENTITY, place);
         }
+        // Few lines can ask for very many: all are counted before any takes memory.
         let mut count = self.scene.objects.len() as u64;
-        // The names of the parts of each object: however often it stands, they stand once.
-        let mut known = HashMap::<&str, Vec<Arc<str>>>::new();
+        let mut placed = Vec::with_capacity(description.instances.len());
         for instance in &description.instances {
             let Some(parts) = description.objects.get(&instance.name) else {
                 let known = description.objects.keys().map(String::as_str);
@@ -412,6 +419,12 @@ impl<'d> Maker<'d> {
                 let kind = SceneErrorKind::Limit { what: "objects", asked: count, allowed };
                 return Err(self.texts.error(instance.place, kind));
             }
+            placed.push((instance, parts));
+        }
+        self.scene.objects.reserve(count as usize - self.scene.objects.len());
+        // The names of the parts of each object: however often it stands, they stand once.
+        let mut known = HashMap::<&str, Vec<Arc<str>>>::new();
+        for (instance, parts) in placed {
             let names = known.entry(&instance.name).or_insert_with(|| {
                 let each =
                     parts.iter().map(|&number| self.part_of(&instance.name, &shapes[number]));
@@ -466,6 +479,9 @@ impl<'d> Maker<'d> {
         let lit = self.scene.environment.is_some()
             || !self.scene.lights.is_empty()
             || self.scene.materials.iter().any(Material::gives_light);
+        if !lit && self.scene.objects.is_empty() {
+            return Err(invalid("there is nothing to see in it".to_owned()));
+        }
         if !lit && *options.sky == SkyChoice::Own {
             self.scene.environment = Some(Environment::constant(Rgb::WHITE));
             let start = Place { text: 0, at: 0, line: 1 };
