@@ -614,6 +614,47 @@ fn the_camera_that_is_shown_has_its_film() {
     }
 }
 
+/// Nothing that would change the picture is shown otherwise without a word.
+#[test]
+fn differences_are_told() {
+    for (body, note) in [
+        (
+            "<integrator type=\"direct\"><boolean name=\"hide_emitters\" value=\"true\"/></integrator>",
+            "lamps are not hidden: hide_emitters is left out",
+        ),
+        (
+            "<integrator type=\"path\"/><integrator type=\"direct\"/>",
+            "there is more than one integrator: the first one counts",
+        ),
+        (
+            "<sensor type=\"orthographic\"><transform name=\"to_world\"><scale x=\"3\" y=\"2\"/></transform>\
+             </sensor>",
+            "how an orthographic camera is scaled along its x counts for its y as well",
+        ),
+        (
+            "<emitter type=\"point\"/><shape type=\"disk\"><bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>\
+             </shape>",
+            "a mask lets the light of points, spots and directions through; Mitsuba's casts a black \
+             shadow in it",
+        ),
+        (
+            "<shape type=\"sphere\"><transform name=\"to_world\"><scale x=\"3\"/></transform></shape>",
+            "spheres that are stretched are shown so; Mitsuba keeps them round",
+        ),
+    ] {
+        let notes = read(&format!("{body}{BALL}")).notes;
+        assert!(notes.iter().any(|said| said.ends_with(note)), "{body}: {notes:?}");
+    }
+    let look = |up: &str| {
+        format!(
+            "<sensor type=\"perspective\"><transform name=\"to_world\"><lookat origin=\"0,0,5\" \
+             target=\"0,0,0\" up=\"{up}\"/></transform></sensor>{BALL}"
+        )
+    };
+    assert!(refusal(&look("0,0,1")).ends_with("up is parallel to the view"));
+    read(&look("0,0,0"));
+}
+
 /// However much of a scene is not known, the notes on it can be read.
 #[test]
 fn notes_are_limited() {

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 /// Each mistake with its one line.
 #[test]
 fn errors_name_the_place() {
+    let mut wrong = Vec::new();
     for (text, expected) in [
         // The text itself.
         ("", "a.pbrt: there is nothing to see in it"),
@@ -68,7 +69,10 @@ fn errors_name_the_place() {
             "Shape \"sphere\" \"string radius\" \"1\"",
             "a.pbrt:1:16: \"radius\" is one text, but must be one number",
         ),
-        ("Shape \"sphere\" \"float radius\" 0", "a.pbrt:1:1: radius is 0, but must be more than 0"),
+        (
+            "Shape \"sphere\" \"float radius\" 0",
+            "a.pbrt:1:16: radius is 0, but must be more than 0",
+        ),
         (
             "Material \"diffuse\" \"rgb reflectance\" [ 1 2 ] Shape \"sphere\"",
             "a.pbrt:1:20: \"reflectance\" is 2 numbers, but must be 3 numbers",
@@ -82,19 +86,19 @@ fn errors_name_the_place() {
         ("Shape \"spere\"", "a.pbrt:1:1: no type of shapes \"spere\"; did you mean \"sphere\"?"),
         (
             "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]",
-            "a.pbrt:1:1: \"indices\" has 3, but there are only 3 vertices, from 0 on",
+            "a.pbrt:1:55: \"indices\" has 3, but there are only 3 vertices, from 0 on",
         ),
         (
             "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 ]",
-            "a.pbrt:1:1: 2 \"indices\" are not 3 for each part",
+            "a.pbrt:1:55: 2 \"indices\" are not 3 for each part",
         ),
         (
             "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"normal N\" [ 0 0 1 ]",
-            "a.pbrt:1:1: 1 of \"N\" for 3 of \"P\": give one each, or none",
+            "a.pbrt:1:55: 1 of \"N\" for 3 of \"P\": give one each, or none",
         ),
         (
             "Shape \"plymesh\" \"string filename\" \"../a.ply\"",
-            "a.pbrt:1:1: \"../a.ply\" leads out of the scene's folder; move the file beside the \
+            "a.pbrt:1:17: \"../a.ply\" leads out of the scene's folder; move the file beside the \
              scene, or allow this with --allow-path",
         ),
         ("Include \"b.pbrt\"", "a.pbrt:1:1: there is no file \"b.pbrt\" beside the scene"),
@@ -131,12 +135,12 @@ fn errors_name_the_place() {
         ("LightSource \"sun\"", "a.pbrt:1:1: no type of lights \"sun\""),
         (
             "LightSource \"infinite\" \"string filename\" \"no.exr\"",
-            "a.pbrt:1:1: there is no file \"no.exr\" beside the scene",
+            "a.pbrt:1:24: there is no file \"no.exr\" beside the scene",
         ),
         ("Camera \"fisheye\"", "a.pbrt:1:1: no type of cameras \"fisheye\""),
         (
             "Camera \"perspective\" \"float fov\" 180",
-            "a.pbrt:1:1: fov is 180, but must be more than 0 and less than 180",
+            "a.pbrt:1:22: fov is 180, but must be more than 0 and less than 180",
         ),
         (
             "Scale 1 2 1 Camera \"perspective\"",
@@ -144,19 +148,23 @@ fn errors_name_the_place() {
         ),
         (
             "Film \"rgb\" \"integer xresolution\" 0",
-            "a.pbrt:1:1: xresolution is 0, but must lie between 1 and 65536",
+            "a.pbrt:1:12: xresolution is 0, but must lie between 1 and 65536",
         ),
         (
             "Sampler \"sobol\" \"integer pixelsamples\" 0",
-            "a.pbrt:1:1: 0 samples for each pixel are too few",
+            "a.pbrt:1:17: 0 samples for each pixel are too few",
         ),
         (
             "Camera \"perspective\" \"float shutterclose\" 0",
             "a.pbrt:1:1: the shutter opens at 0 and closes at 0: it must be open for a while",
         ),
     ] {
-        assert_eq!(said(text), expected, "{text}");
+        let is = said(text);
+        if is != expected {
+            wrong.push(format!("{text}\n  says {is}\nnot {expected}"));
+        }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Each kind of thing that is left out is told once, at the first place.
@@ -179,6 +187,75 @@ fn what_is_left_out_is_told_once() {
             "a.pbrt:1:1: there is no light in it: an even white sky stands in",
         ]
     );
+}
+
+/// Nothing that would change the picture is left out without a word.
+#[test]
+fn little_things_are_told() {
+    for (text, note) in [
+        (
+            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb Le\" [ 5 5 5 ] \"float Lescale\" 3",
+            "\"Lescale\" of MakeNamedMedium \"m\" is left out",
+        ),
+        (
+            "Integrator \"path\" \"integer pixelbounds\" [ 0 1 0 1 ]",
+            "\"pixelbounds\" of Integrator \"path\" is left out",
+        ),
+        (
+            "Integrator \"ao\" \"float maxdistance\" .1",
+            "\"maxdistance\" of Integrator \"ao\" is left out",
+        ),
+        (
+            "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 1 1 0 ] \"string emissionfilename\" \"a\"",
+            "\"emissionfilename\" of Shape \"bilinearmesh\" is left out",
+        ),
+        (
+            "MediumInterface \"\" \"fog\" Camera \"perspective\"",
+            "the camera stands in no medium: that around it is left out",
+        ),
+        (
+            "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\" \
+             Shape \"disk\"",
+            "a picture lies on a whole disk from side to side, not around its middle",
+        ),
+    ] {
+        let notes = sound(&format!("{text} Shape \"sphere\"")).notes;
+        assert!(notes.iter().any(|said| said.ends_with(note)), "{text}: {notes:?}");
+    }
+}
+
+/// A parameter that is wrong is told at its own place, in the words of the scene.
+#[test]
+fn parameters_are_told_at_their_places() {
+    for (text, expected) in [
+        (
+            "Integrator \"path\" \"integer maxdepth\" -1",
+            "1:19: maxdepth is -1, but must be 0 or more",
+        ),
+        ("Shape \"sphere\" \"float radius\" 0", "1:16: radius is 0, but must be more than 0"),
+        (
+            "Camera \"perspective\" \"float lensradius\" 1 \"float focaldistance\" 0",
+            "1:43: focaldistance is 0, but must be more than 0",
+        ),
+        (
+            "Shape \"plymesh\" \"string filename\" \"b.ply\"",
+            "1:17: there is no file \"b.ply\" beside the scene",
+        ),
+        (
+            "LightSource \"infinite\" \"string filename\" \"sky.hdr\"",
+            "1:24: \"sky.hdr\" has 2x1 pixels, but the map of a sky in equal areas is a square",
+        ),
+        (
+            "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 7 ]",
+            "1:22: 10 numbers of \"P\" are not 3 for each vertex",
+        ),
+    ] {
+        assert_eq!(said(text), format!("a.pbrt:{expected}"), "{text}");
+    }
+    let texture = "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"no.png\" Material \"diffuse\" \
+                   \"texture reflectance\" \"t\" Shape \"sphere\"";
+    let notes = sound(texture).notes;
+    assert!(notes.iter().any(|note| note.contains("a.pbrt:1:35: ")), "{notes:?}");
 }
 
 /// What stands on the wrong side of `WorldBegin` counts, and is told.

@@ -277,7 +277,7 @@ fn eyes_see_what_pbrts_do() {
     assert_eq!(fov(&cut, "").2, Some(Crop { x: 0, y: 50, width: 50, height: 150 }));
     // A lens, in the units of the world where the camera is scaled.
     let loaded = sound(
-        "Scale 2 2 2 Camera \"perspective\" \"float lensradius\" .5 \"float focaldistance\" 6 WorldBegin",
+        "Scale 2 2 2 Camera \"perspective\" \"float lensradius\" .5 \"float focaldistance\" 6 WorldBegin Shape \"sphere\"",
     );
     let lens = loaded.scene.camera.lens().expect("a lens");
     assert!(close(lens.aperture_radius, 0.25) && close(lens.focus_distance, 3.0));

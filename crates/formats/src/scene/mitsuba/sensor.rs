@@ -75,7 +75,13 @@ impl Maker<'_, '_> {
         let kind = match sensor.plugin() {
             "orthographic" => {
                 // Two units wide by themselves; the transform scales them.
-                let height = 2.0 * world.linear[0].length() as f32 / aspect;
+                let [wide, high] = [world.linear[0].length(), world.linear[1].length()];
+                if (wide - high).abs() > 1e-4 * wide {
+                    let what = "pixels are squares: how an orthographic camera is scaled along its \
+                                x counts for its y as well";
+                    sensor.note(what, what);
+                }
+                let height = 2.0 * wide as f32 / aspect;
                 CameraKind::Orthographic { height, lens }
             }
             _ => {
@@ -236,7 +242,12 @@ impl Maker<'_, '_> {
         scene: View<'_, '_>,
         settings: &mut Settings,
     ) -> Result<(), SceneError> {
-        let Some(integrator) = scene.only(Class::Integrator) else { return Ok(()) };
+        let mut all = scene.parts(Class::Integrator);
+        let Some(integrator) = all.next() else { return Ok(()) };
+        if let Some(other) = all.next() {
+            let what = "there is more than one integrator: the first one counts";
+            other.note(what, what);
+        }
         self.integrator_of(integrator, settings, 0)
     }
 
@@ -251,13 +262,8 @@ impl Maker<'_, '_> {
             // What light does up to the first surface that scatters it.
             "direct" => {
                 settings.max_depth = Some(2);
-                integrator.pass_over(&[
-                    "emitter_samples",
-                    "bsdf_samples",
-                    "shading_samples",
-                    "hide_emitters",
-                ]);
-                return Ok(());
+                integrator.pass_over(&["emitter_samples", "bsdf_samples", "shading_samples"]);
+                return hide_emitters(integrator);
             }
             "depth" => settings.integrator = IntegratorKind::Depth,
             // What is around the integrator that renders: other channels, and their statistics.
@@ -308,12 +314,16 @@ impl Maker<'_, '_> {
             "block_size",
             "timeout",
         ]);
-        if integrator.boolean("hide_emitters", false)? {
-            let what = "lamps are not hidden: hide_emitters is left out";
-            integrator.note(what, what);
-        }
-        Ok(())
+        hide_emitters(integrator)
     }
+}
+
+fn hide_emitters(integrator: View<'_, '_>) -> Result<(), SceneError> {
+    if integrator.boolean("hide_emitters", false)? {
+        let what = "lamps are not hidden: hide_emitters is left out";
+        integrator.note(what, what);
+    }
+    Ok(())
 }
 
 /// Mitsuba's own filter.

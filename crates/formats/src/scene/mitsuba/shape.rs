@@ -162,6 +162,11 @@ impl Maker<'_, '_> {
             (None, None) => Look::grey(),
             (None, Some(_)) => Look::black(),
         };
+        if look.opacity.is_some() && !self.scene.lights.is_empty() {
+            let what = "a mask lets the light of points, spots and directions through; Mitsuba's \
+                        casts a black shadow in it";
+            shape.note(what, what);
+        }
         look.textured |= emission.is_some_and(|emission| emission.texture.is_some());
         let material = self.material(shape, bsdf, &look, emission)?;
         let mut shapes: Vec<(Shape, Affine)> = Vec::new();
@@ -191,6 +196,11 @@ impl Maker<'_, '_> {
                     let what = "spheres that are textured, stretched or turned inside out become \
                                 triangles";
                     shape.note(what, what);
+                    if !round || stretched {
+                        let what =
+                            "spheres that are stretched are shown so; Mitsuba keeps them round";
+                        shape.note(what, what);
+                    }
                     let sized = placed * Affine::scale(DVec3::splat(radius));
                     let made = self.made(From::Sphere, flipped);
                     shapes.extend(meshes(made).map(|(shape, _)| (shape, sized)));

@@ -64,7 +64,7 @@ impl Film {
                 *side = u32::try_from(asked).ok().filter(|s| (1..=most).contains(s)).ok_or_else(
                     || {
                         texts.invalid(
-                            place,
+                            parameters.place_of(name),
                             format!("{name} is {asked}, but must lie between 1 and {most}"),
                         )
                     },
@@ -138,7 +138,7 @@ fn crop(
                 }
                 _ => {
                     let what = "\"pixelbounds\" must be 4 whole numbers";
-                    return Err(texts.invalid(parameters.place, what));
+                    return Err(texts.invalid(parameters.place_of("pixelbounds"), what));
                 }
             }
         }
@@ -172,7 +172,7 @@ pub(super) fn settings(
 
     // Samples for each pixel.
     settings.spp = 16;
-    if let Some(sampler @ Named { name, parameters }) = &description.sampler {
+    if let Some(Named { name, parameters }) = &description.sampler {
         let count = |name: &str| parameters.whole(name, texts);
         let asked = match (count("xsamples")?, count("ysamples")?) {
             (None, None) => count("pixelsamples")?.map(i64::from),
@@ -180,7 +180,8 @@ pub(super) fn settings(
         };
         if let Some(asked) = asked {
             settings.spp = u64::try_from(asked).ok().filter(|spp| *spp > 0).ok_or_else(|| {
-                texts.invalid(place(sampler), format!("{asked} samples for each pixel are too few"))
+                let place = parameters.place_of("pixelsamples");
+                texts.invalid(place, format!("{asked} samples for each pixel are too few"))
             })?;
         }
         if matches!(&**name, "independent" | "random") {
@@ -201,7 +202,7 @@ pub(super) fn settings(
                 Ok(depth) => Some(depth.saturating_add(1)),
                 Err(_) => {
                     let what = format!("maxdepth is {depth}, but must be 0 or more");
-                    return Err(texts.invalid(place(integrator), what));
+                    return Err(texts.invalid(parameters.place_of("maxdepth"), what));
                 }
             };
         }
@@ -222,13 +223,11 @@ pub(super) fn settings(
             "lightsampler",
             "lightsamplestrategy",
             "regularize",
-            "pixelbounds",
             "strategy",
         ]);
         if !matches!(&**name, "path" | "volpath") {
             parameters.ignore(&[
                 "cossample",
-                "maxdistance",
                 "numiterations",
                 "iterations",
                 "photonsperiteration",

@@ -135,7 +135,8 @@ impl Maker<'_> {
         parameters.ignore(&["nsamples", "samples"]);
         let mut texture = None;
         if let Some(name) = parameters.text("filename", self.texts)?.map(str::to_owned) {
-            texture = Some(self.plain_picture(&name, Encoding::Srgb, parameters.place));
+            texture =
+                Some(self.plain_picture(&name, Encoding::Srgb, parameters.place_of("filename")));
         }
         parameters.tell_unused(self.texts, &mut self.notes);
         let light = match power {
@@ -271,20 +272,27 @@ impl Maker<'_> {
         lux: Option<f32>,
     ) -> Result<(), SceneError> {
         let place = parameters.place;
-        let (name, projection) = match parameters.text("mapname", self.texts)? {
-            Some(name) => (name.to_owned(), Projection::Equirectangular),
-            None => {
-                let name = parameters.text("filename", self.texts)?.unwrap_or_default();
-                (name.to_owned(), Projection::Octahedral)
-            }
+        let (key, projection) = match parameters.get("mapname") {
+            Some(_) => ("mapname", Projection::Equirectangular),
+            None => ("filename", Projection::Octahedral),
         };
-        let invalid = |what: String| self.texts.invalid(place, what);
+        let name = parameters.text(key, self.texts)?.unwrap_or_default().to_owned();
+        let named = parameters.place_of(key);
+        let invalid = |what: String| self.texts.invalid(named, what);
         let find = || self.files.find(&name).map_err(invalid);
         let (read, mut origin) = sky_picture(self.files, &name, &self.options.limits, find)?;
         if let PictureOrigin::File(file) = &origin {
             self.read_files.push(file.clone());
         }
         let mut picture = read.map_err(|error| invalid(error.to_string()))?;
+        let (width, height) = (picture.width(), picture.height());
+        if projection == Projection::Octahedral && width != height {
+            let what = format!(
+                "\"{}\" has {width}x{height} pixels, but the map of a sky in equal areas is a square",
+                shown(&name)
+            );
+            return Err(invalid(what));
+        }
         if self.world.mirrors_sky {
             picture = mirrored(&picture);
             let bytes = image::to_exr(&picture).map_err(invalid)?;

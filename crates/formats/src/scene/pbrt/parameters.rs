@@ -149,6 +149,11 @@ impl Parameters {
         Some(found)
     }
 
+    /// Where the one of a name stands; else where the statement does.
+    pub(super) fn place_of(&self, name: &str) -> Place {
+        self.get(name).map_or(self.place, |parameter| parameter.place)
+    }
+
     /// Nobody need be told that these change nothing.
     pub(super) fn ignore(&self, names: &[&str]) {
         for name in names {

@@ -331,6 +331,10 @@ impl<'o> Parser<'o> {
             "Camera" => {
                 let (kind, parameters) = self.made(lexer, name, place)?;
                 let map = self.state.map;
+                if !self.state.outside.is_empty() {
+                    let what = "the camera stands in no medium: that around it is left out";
+                    self.notes.say(&self.texts, place, what);
+                }
                 if let Some(back) = map.inverse() {
                     self.systems.insert("camera".to_owned(), back);
                 }
@@ -483,7 +487,7 @@ impl<'o> Parser<'o> {
         let (kind, parameters) = self.made(lexer, "Shape", place)?;
         let parameters = parameters.with_defaults(&self.state.defaults[0]);
         self.check_objects(self.description.shapes.len() + 1, place)?;
-        let Some((form, parts)) = shapes::read(&kind, &parameters, self)? else { return Ok(()) };
+        let (form, parts) = shapes::read(&kind, &parameters, self)?;
         let mut state = self.state.clone();
         if self.object.is_some() && state.area_light.take().is_some() {
             let what = "what is placed as an object does not glow: AreaLightSource is left out";

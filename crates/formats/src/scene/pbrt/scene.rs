@@ -243,7 +243,7 @@ impl<'d> Maker<'d> {
                     let what = format!("{} does not scatter light: it only absorbs", parameters.of);
                     self.note(parameters.place, what);
                 }
-                parameters.ignore(&["g", "Le", "Lescale"]);
+                parameters.ignore(&["g"]);
                 parameters.tell_unused(self.texts, &mut self.notes);
                 let sigma = absorbs.0.map(|c| (c * scale).clamp(0.0, 1e9));
                 match Rgb(sigma) {
@@ -326,6 +326,14 @@ impl<'d> Maker<'d> {
                     }
                 }
                 Form::Disk { radius, height } => {
+                    let mut textured = false;
+                    let mut look = self.scene.materials[material.0 as usize].clone();
+                    look.each_texture_mut(|_| textured = true);
+                    if textured {
+                        let what = "a picture lies on a whole disk from side to side, not around \
+                                    its middle";
+                        self.note(placed.parameters.place, what);
+                    }
                     let mut own = Affine::translate(DVec3::Z * f64::from(height));
                     if placed.state.reversed {
                         own = own * Affine::scale(DVec3::new(1.0, -1.0, -1.0));

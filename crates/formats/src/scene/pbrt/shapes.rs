@@ -114,13 +114,12 @@ impl PlyFile {
     }
 }
 
-/// The shape of a statement, and in how many parts pbrt takes it. `None` where there is nothing to
-/// be seen of it.
+/// The shape of a statement, and in how many parts pbrt takes it.
 pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
     parser: &mut Parser<'_>,
-) -> Result<Option<(Form, usize)>, SceneError> {
+) -> Result<(Form, usize), SceneError> {
     let texts = &parser.texts;
     let place = parameters.place;
     let form = match kind {
@@ -129,8 +128,8 @@ pub(super) fn read(
         "plymesh" => {
             let name = parameters.text("filename", texts)?.unwrap_or_default().to_owned();
             parameters.ignore(&["edgelength"]);
-            let number = wanted(&name, place, parser)?;
-            return Ok(Some((Form::File(number), 1)));
+            let number = wanted(&name, parameters.place_of("filename"), parser)?;
+            return Ok((Form::File(number), 1));
         }
         "sphere" => {
             let radius = positive("radius", 1.0, parameters, texts)?;
@@ -206,7 +205,7 @@ pub(super) fn read(
         }
         Form::File(_) | Form::Sphere { .. } | Form::Disk { .. } => 1,
     };
-    Ok(Some((form, parts)))
+    Ok((form, parts))
 }
 
 /// The number of a PLY file that is to be read.
@@ -243,7 +242,8 @@ fn positive(
     if value > 0.0 {
         return Ok(value);
     }
-    Err(texts.invalid(parameters.place, format!("{name} is {value}, but must be more than 0")))
+    let what = format!("{name} is {value}, but must be more than 0");
+    Err(texts.invalid(parameters.place_of(name), what))
 }
 
 /// How much of the full turn there is, in degrees.
@@ -251,18 +251,30 @@ fn turn(parameters: &Parameters, texts: &Texts) -> Result<f32, SceneError> {
     Ok(parameters.number_or("phimax", 360.0, texts)?.clamp(0.0, 360.0))
 }
 
-fn points(numbers: &[f32]) -> Vec<Vec3> {
-    numbers.chunks_exact(3).map(Vec3::from_slice).collect()
+/// The numbers of a name, `N` to each, as what they stand for; nothing where there are none.
+fn each<const N: usize, T>(
+    name: &str,
+    make: impl Fn([f32; N]) -> T,
+    parameters: &Parameters,
+    texts: &Texts,
+) -> Result<Vec<T>, SceneError> {
+    let Some(numbers) = parameters.numbers(name, texts)? else { return Ok(Vec::new()) };
+    let (parts, rest) = numbers.as_chunks::<N>();
+    if !rest.is_empty() {
+        let what = format!("{} numbers of \"{name}\" are not {N} for each vertex", numbers.len());
+        return Err(texts.invalid(parameters.place_of(name), what));
+    }
+    Ok(parts.iter().map(|part| make(*part)).collect())
 }
 
 /// The vertices of a mesh: positions, and normals and texture coordinates where there are some.
 fn vertices(parameters: &Parameters, texts: &Texts) -> Result<Mesh, SceneError> {
-    let positions = parameters.numbers("P", texts)?.map(points).unwrap_or_default();
-    let normals = parameters.numbers("N", texts)?.map(points).unwrap_or_default();
-    let uvs = parameters.numbers("uv", texts)?;
-    let older = parameters.numbers("st", texts)?;
-    let uvs: Vec<Vec2> =
-        uvs.or(older).unwrap_or_default().chunks_exact(2).map(Vec2::from_slice).collect();
+    let positions = each("P", Vec3::from_array, parameters, texts)?;
+    let normals = each("N", Vec3::from_array, parameters, texts)?;
+    let uvs = each("uv", Vec2::from_array, parameters, texts)?;
+    // Older scenes call them so.
+    let older = each("st", Vec2::from_array, parameters, texts)?;
+    let uvs = if uvs.is_empty() { older } else { uvs };
     // Tangents, and numbers for the faces of Ptex: nothing here needs them.
     parameters.ignore(&["S", "faceIndices"]);
     let count = positions.len();
@@ -270,7 +282,7 @@ fn vertices(parameters: &Parameters, texts: &Texts) -> Result<Mesh, SceneError> 
         if length != 0 && length != count {
             let what =
                 format!("{length} of \"{name}\" for {count} of \"P\": give one each, or none");
-            return Err(texts.invalid(parameters.place, what));
+            return Err(texts.invalid(parameters.place_of(name), what));
         }
     }
     Ok(Mesh { positions, normals, uvs, ..Mesh::default() })
@@ -292,12 +304,12 @@ fn corners<const N: usize>(
     if let Some(wrong) = indices.iter().find(|&&i| i < 0 || i as usize >= count) {
         let what =
             format!("\"indices\" has {wrong}, but there are only {count} vertices, from 0 on");
-        return Err(texts.invalid(parameters.place, what));
+        return Err(texts.invalid(parameters.place_of("indices"), what));
     }
     let (parts, rest) = indices.as_chunks::<N>();
     if !rest.is_empty() {
         let what = format!("{} \"indices\" are not {N} for each part", indices.len());
-        return Err(texts.invalid(parameters.place, what));
+        return Err(texts.invalid(parameters.place_of("indices"), what));
     }
     Ok(parts.iter().map(|part| part.map(|i| i as u32)).collect())
 }
@@ -312,7 +324,6 @@ fn triangles(parameters: &Parameters, texts: &Texts) -> Result<Form, SceneError>
 fn patches(parameters: &Parameters, texts: &Texts) -> Result<Form, SceneError> {
     let shared = vertices(parameters, texts)?;
     let patches = corners::<4>(parameters, shared.positions.len(), texts)?;
-    parameters.ignore(&["emissionfilename"]);
     let mut mesh = Mesh::default();
     for patch in patches {
         let first = mesh.positions.len() as u32;
