@@ -19,6 +19,7 @@ pub(crate) mod pbrt;
 pub(crate) mod pictures;
 pub mod ply;
 mod polygon;
+mod round;
 pub(crate) mod spectrum;
 pub mod stl;
 mod text;

@@ -224,6 +224,18 @@ fn little_things_are_told() {
     }
 }
 
+/// Bodies of which nothing is left are no error.
+#[test]
+fn empty_parts_are_nothing() {
+    for part in [
+        "sphere\" \"float phimax\" 0",
+        "sphere\" \"float zmin\" 1 \"float zmax\" 1",
+        "disk\" \"float phimax\" 0",
+    ] {
+        sound(&format!("Shape \"{part} Shape \"sphere\""));
+    }
+}
+
 /// A parameter that is wrong is told at its own place, in the words of the scene.
 #[test]
 fn parameters_are_told_at_their_places() {

@@ -9,7 +9,7 @@ use super::scene::Maker;
 use super::serialized;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::affine::{Affine, single};
-use crate::scene::{called, obj, ply};
+use crate::scene::{called, obj, ply, round};
 use rutilant::scene::{MaterialId, MeshId};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec2, Vec3, real};
@@ -60,9 +60,6 @@ pub(super) struct Ready {
 
 /// The numbers of a shape and of its group, and whether that is stretched where it stands.
 pub(super) type ReadyKey = (usize, usize, bool);
-
-/// Sides of a cylinder, and of a sphere around its equator: its outline is off by 0.03 %.
-const SIDES: u32 = 128;
 
 impl Maker<'_, '_> {
     /// Puts a shape where `world_from_group` says; a `group` is what it stands in.
@@ -385,55 +382,12 @@ fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
 
 /// A sphere of radius 1 with its poles on the z axis; u is longitude, v begins at +z.
 fn sphere() -> Mesh {
-    let mut mesh = Mesh { name: "sphere".to_owned(), ..Mesh::default() };
-    let rows = SIDES / 2;
-    for row in 0..=rows {
-        let v = row as f32 / rows as f32;
-        let (sin, cos) = real::sin_cos_degrees(180.0 * v);
-        for side in 0..=SIDES {
-            let u = side as f32 / SIDES as f32;
-            let (s, c) = real::sin_cos_degrees(360.0 * u);
-            let at = Vec3::new(sin * c, sin * s, cos);
-            mesh.positions.push(at);
-            mesh.normals.push(at);
-            mesh.uvs.push(Vec2::new(u, v));
-        }
-    }
-    grid(&mut mesh, rows, false);
-    mesh
+    Mesh { name: "sphere".to_owned(), ..round::sphere(1.0, [90.0, -90.0], 360.0) }
 }
 
 /// The side of a cylinder of radius 1 around z from 0 to 1, without its ends; u goes around, v up.
 fn cylinder() -> Mesh {
-    let mut mesh = Mesh { name: "cylinder".to_owned(), ..Mesh::default() };
-    for row in 0..=1 {
-        for side in 0..=SIDES {
-            let u = side as f32 / SIDES as f32;
-            let (s, c) = real::sin_cos_degrees(360.0 * u);
-            mesh.positions.push(Vec3::new(c, s, row as f32));
-            mesh.normals.push(Vec3::new(c, s, 0.0));
-            mesh.uvs.push(Vec2::new(u, row as f32));
-        }
-    }
-    grid(&mut mesh, 1, true);
-    mesh
-}
-
-/// Triangles between rows of vertices, whose fronts are outside where rows go up, or down.
-fn grid(mesh: &mut Mesh, rows: u32, up: bool) {
-    for row in 0..rows {
-        for side in 0..SIDES {
-            let a = row * (SIDES + 1) + side;
-            let [b, c, d] = [a + 1, a + SIDES + 1, a + SIDES + 2];
-            let pair = if up { [[a, b, d], [a, d, c]] } else { [[a, d, b], [a, c, d]] };
-            // At poles a row is a point, and one of the two has no area.
-            let place = |i: u32| mesh.positions[i as usize];
-            let has_area =
-                |t: &[u32; 3]| (0..3).all(|i| place(t[i]).distance(place(t[(i + 1) % 3])) > 1e-6);
-            let pair: Vec<_> = pair.into_iter().filter(has_area).collect();
-            mesh.triangles.extend(pair);
-        }
-    }
+    Mesh { name: "cylinder".to_owned(), ..round::cylinder(1.0, [0.0, 1.0], 360.0) }
 }
 
 /// A cube from −1 to 1 with the texture coordinates that Mitsuba's has.

@@ -25,6 +25,7 @@ use crate::scene::nearest::nearest;
 use crate::scene::notes::Notes;
 use crate::scene::origins::{MeshOrigin, Origins, PictureOrigin};
 use crate::scene::pictures::Pictures;
+use crate::scene::round;
 use crate::shown::shown;
 use rayon::prelude::*;
 use rutilant::color::Rgb;
@@ -319,8 +320,7 @@ impl<'d> Maker<'d> {
                         let plain = description.textures.is_empty();
                         (Shape::Sphere { radius }, if plain { Affine::IDENTITY } else { turned })
                     } else {
-                        let right = std::f32::consts::FRAC_PI_2;
-                        let mesh = shapes::sphere(radius, [-right, right], 360.0);
+                        let mesh = round::sphere(radius, [-90.0, 90.0], 360.0);
                         let mesh = shapes::oriented(mesh, placed.state.reversed).0;
                         (Shape::Mesh(self.mesh(mesh, MeshOrigin::Made)), Affine::IDENTITY)
                     }

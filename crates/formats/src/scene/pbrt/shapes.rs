@@ -12,13 +12,12 @@ use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
 use crate::scene::nearest::nearest;
-use crate::scene::ply;
+use crate::scene::{ply, round};
 use crate::shown::shown;
 use rayon::prelude::*;
 use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3, real};
 use std::collections::HashMap;
-use std::f32::consts::PI;
 use std::path::PathBuf;
 
 /// Kinds that are read.
@@ -140,8 +139,8 @@ pub(super) fn read(
             if low <= -radius && high >= radius && turn >= 360.0 {
                 Form::Sphere { radius }
             } else {
-                let [south, north] = [low, high].map(|z| real::asin(z / radius));
-                Form::Mesh(sphere(radius, [south, north], turn))
+                let [south, north] = [low, high].map(|z| latitude(z / radius));
+                Form::Mesh(round::sphere(radius, [south, north], turn))
             }
         }
         "disk" => {
@@ -152,14 +151,18 @@ pub(super) fn read(
             if inner == 0.0 && turn >= 360.0 {
                 Form::Disk { radius, height }
             } else {
-                Form::Mesh(ring(radius, inner, height, turn))
+                Form::Mesh(round::ring(radius, inner, height, turn))
             }
         }
         "cylinder" => {
             let radius = positive("radius", 1.0, parameters, texts)?;
             let low = parameters.number_or("zmin", -1.0, texts)?;
             let high = parameters.number_or("zmax", 1.0, texts)?;
-            Form::Mesh(cylinder(radius, [low.min(high), low.max(high)], turn(parameters, texts)?))
+            Form::Mesh(round::cylinder(
+                radius,
+                [low.min(high), low.max(high)],
+                turn(parameters, texts)?,
+            ))
         }
         other => {
             return Err(match REFUSED.iter().find(|(name, _)| *name == other) {
@@ -230,6 +233,11 @@ fn wanted(name: &str, place: Place, parser: &mut Parser<'_>) -> Result<usize, Sc
         plies.list.push(ply);
     }
     Ok(number)
+}
+
+/// The latitude of a height above the equator of a sphere of radius 1, in degrees; exact at the poles.
+fn latitude(height: f32) -> f32 {
+    if height.abs() >= 1.0 { 90.0 * height.signum() } else { real::asin(height).to_degrees() }
 }
 
 fn positive(
@@ -357,61 +365,4 @@ pub(super) fn oriented(mut mesh: Mesh, reversed: bool) -> (Mesh, bool) {
         mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
     }
     (mesh, as_it_is)
-}
-
-/// Steps of a full turn, where round things become triangles.
-const STEPS: u32 = 96;
-
-/// A grid of vertices, `point` of which gives position and normal for (u, v) in 0..1; fronts are
-/// where the normals point.
-fn grid([along, up]: [u32; 2], point: impl Fn(f32, f32) -> (Vec3, Vec3)) -> Mesh {
-    let mut mesh = Mesh::default();
-    for row in 0..=up {
-        for column in 0..=along {
-            let (u, v) = (column as f32 / along as f32, row as f32 / up as f32);
-            let (position, normal) = point(u, v);
-            mesh.positions.push(position);
-            mesh.normals.push(normal);
-            mesh.uvs.push(Vec2::new(u, v));
-        }
-    }
-    for row in 0..up {
-        for column in 0..along {
-            let at = row * (along + 1) + column;
-            let [a, b, c, d] = [at, at + 1, at + along + 2, at + along + 1];
-            mesh.triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    oriented(mesh, false).0
-}
-
-fn steps(turn: f32) -> u32 {
-    ((turn / 360.0 * STEPS as f32).ceil() as u32).max(1)
-}
-
-/// A part of a sphere between two latitudes, in radians, and over so many degrees from +x.
-pub(super) fn sphere(radius: f32, [south, north]: [f32; 2], turn: f32) -> Mesh {
-    let rows = (((north - south) / PI * 0.5 * STEPS as f32).ceil() as u32).max(1);
-    grid([steps(turn), rows], |u, v| {
-        let (s, c) = real::sin_cos_degrees(u * turn);
-        let (up, away) = real::sin_cos(south + (north - south) * v);
-        let normal = Vec3::new(away * c, away * s, up);
-        (normal * radius, normal)
-    })
-}
-
-fn ring(radius: f32, inner: f32, height: f32, turn: f32) -> Mesh {
-    grid([steps(turn), 1], |u, v| {
-        let (s, c) = real::sin_cos_degrees(u * turn);
-        let away = radius + (inner - radius) * v;
-        (Vec3::new(away * c, away * s, height), Vec3::Z)
-    })
-}
-
-fn cylinder(radius: f32, [low, high]: [f32; 2], turn: f32) -> Mesh {
-    grid([steps(turn), 1], |u, v| {
-        let (s, c) = real::sin_cos_degrees(u * turn);
-        let normal = Vec3::new(c, s, 0.0);
-        (normal * radius + Vec3::Z * (low + (high - low) * v), normal)
-    })
 }
