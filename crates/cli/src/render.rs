@@ -350,8 +350,14 @@ fn check_outputs(
 fn settings(args: &Args, scene: &Settings) -> Settings {
     // Without a number of samples, time alone decides.
     let spp = args.spp.or(args.time.map(|_| UNBOUNDED)).unwrap_or(scene.spp);
+    // What is seen through a window beside the middle is a part of a larger picture, and already as
+    // large as is asked for.
+    let is_part = |size: [u32; 2]| {
+        let beside = |c: &Crop| (c.x, c.y) != (0, 0) && [c.width, c.height] == size;
+        args.crop.is_none() && scene.crop.as_ref().is_some_and(beside)
+    };
     Settings {
-        size: args.size.unwrap_or(scene.size),
+        size: args.size.filter(|size| !is_part(*size)).unwrap_or(scene.size),
         crop: args.crop.or(scene.crop),
         spp,
         // Without a number, what the scene asks for is a better guess than none.

@@ -10,6 +10,7 @@ use rutilant::film::Filter;
 use rutilant::geom::Vec3;
 use rutilant::light::{EnvironmentLight, Light, SpotLight};
 use rutilant::material::{EmittedLight, MaterialKind};
+use rutilant::scene::Place;
 use rutilant::settings::Settings;
 use rutilant::shape::Shape;
 use rutilant::texture::Texture;
@@ -18,9 +19,10 @@ use rutilant_formats::{
     CameraChoice, Limits, LoadedScene, ReadOptions, SceneError, image, parse_mitsuba, read_scene,
 };
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A sky of two pixels.
 const SKY: &[u8] = b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x20\x40\x60\x84";
@@ -165,6 +167,13 @@ fn bombs_are_refused() {
         "a.xml:2:946: 65 levels of nesting, but at most 64 are allowed; allow more with --limit \
          nesting=N"
     );
+    // Few lines that ask for very many objects, and are counted before any is made.
+    let group = format!("<shape type=\"shapegroup\" id=\"g\">{}</shape>", BALL.repeat(5000));
+    let many = "<shape type=\"instance\"><ref id=\"g\"/></shape>".repeat(5000);
+    let start = Instant::now();
+    assert!(refusal(&(group + &many)).contains("10005000 objects, but at most 10000000"));
+    assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
+
     // Whatever the limit, calls within calls end.
     let text = format!("<scene version=\"3.0.0\">{deep}</scene>");
     let limits = Limits { nesting: u64::MAX, ..Limits::default() };
@@ -517,6 +526,168 @@ fn serialized_meshes_are_read() {
     let liar = fs::read(format!("{corpus}bad-liar.serialized")).expect("a file");
     let said = serialized::read_bytes(&liar, 0, path, &limits).map(|_| ()).expect_err("refused");
     assert!(said.to_string().ends_with("for which its bytes are too few"), "{said}");
+}
+
+/// A file of serialized meshes that begin at these places.
+fn serialized_file(packed: &[&[u8]], begin: &[u64]) -> Vec<u8> {
+    let mut file = Vec::new();
+    for packed in packed {
+        file.extend([0x1c, 0x04, 4, 0]);
+        file.extend(*packed);
+    }
+    begin.iter().for_each(|at| file.extend(at.to_le_bytes()));
+    file.extend((begin.len() as u32).to_le_bytes());
+    file
+}
+
+/// What packs a thousandfold is no mesh; and meshes do not lie in each other, so that a file becomes
+/// no more than its bytes can hold.
+#[test]
+fn serialized_bombs_stay_packed() {
+    let pack = |vertices: u64| {
+        let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        packer.write_all(&0x1000_u32.to_le_bytes()).expect("flags: single precision");
+        packer.write_all(&[0]).expect("no name");
+        packer.write_all(&vertices.to_le_bytes()).expect("vertices");
+        packer.write_all(&0_u64.to_le_bytes()).expect("no triangles");
+        packer.write_all(&vec![0; 12 * vertices as usize]).expect("points");
+        packer.finish().expect("packed")
+    };
+    let bomb = pack(1_000_000);
+    assert!(bomb.len() < 20_000);
+    let limits = Limits::default();
+    let file = serialized_file(&[&bomb], &[0]);
+    let read = serialized::read_bytes(&file, 0, Path::new("a.serialized"), &limits);
+    let said = read.map(|_| ()).expect_err("refused").to_string();
+    assert!(said.ends_with("for which its bytes are too few"), "{said}");
+
+    let small = pack(3);
+    let second = 4 + small.len() as u64;
+    for (begin, fine) in [([0, second], true), ([second, 0], false)] {
+        let file = serialized_file(&[&small, &small], &begin);
+        let options =
+            ReadOptions { embedded: &[("m.serialized", &file)], ..ReadOptions::default() };
+        let text = "<scene version=\"3.0.0\"><shape type=\"serialized\"><string \
+                    name=\"filename\" value=\"m.serialized\"/></shape></scene>";
+        let read = parse_mitsuba(text.into(), Path::new("a.xml"), &options);
+        let said = read.map(|_| ()).map_err(|error| error.to_string());
+        let order = said.as_ref().is_err_and(|said| said.contains("one behind the other"));
+        assert_eq!(order, !fine, "{said:?}");
+    }
+}
+
+/// Film and sampler are those of the camera that is shown, by name or by number; nothing is said of
+/// the others'. A size that is asked for cuts the same part out of the film.
+#[test]
+fn the_camera_that_is_shown_has_its_film() {
+    let sensor = |id: &str, width: u32, samples: u32| {
+        format!(
+            "<sensor type=\"perspective\" id=\"{id}\"><film type=\"hdrfilm\"><integer name=\"width\" \
+             value=\"{width}\"/><integer name=\"height\" value=\"10\"/><integer \
+             name=\"crop_offset_x\" value=\"{}\"/><integer name=\"crop_width\" value=\"{}\"/></film>\
+             <sampler type=\"independent\"><integer name=\"sample_count\" value=\"{samples}\"/>\
+             </sampler></sensor>",
+            width / 2,
+            width / 4
+        )
+    };
+    let text = format!(
+        "<scene version=\"3.0.0\">{}{}{BALL}<emitter type=\"constant\"/></scene>",
+        sensor("a", 40, 2),
+        sensor("b", 20, 7)
+    );
+    for (camera, size, samples, width, crop) in [
+        ("a", None, 2, 40, [20, 10]),
+        ("1", None, 2, 40, [20, 10]),
+        ("b", None, 7, 20, [10, 5]),
+        ("2", None, 7, 20, [10, 5]),
+        ("2", Some([80, 40]), 7, 80, [40, 20]),
+    ] {
+        let camera = &CameraChoice::Named(camera.to_owned());
+        let options = ReadOptions { camera, size, ..ReadOptions::default() };
+        let loaded = parse_mitsuba(text.clone().into_bytes(), Path::new("a.xml"), &options);
+        let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+        let settings = &loaded.settings;
+        let cut = settings.crop.expect("a part");
+        assert_eq!((settings.spp, settings.size[0], [cut.x, cut.width]), (samples, width, crop));
+        assert!(!loaded.notes.iter().any(|n| n.contains("left out")), "{:?}", loaded.notes);
+    }
+}
+
+/// Nothing that would change the picture is shown otherwise without a word.
+#[test]
+fn differences_are_told() {
+    for (body, note) in [
+        (
+            "<integrator type=\"direct\"><boolean name=\"hide_emitters\" value=\"true\"/></integrator>",
+            "lamps are not hidden: hide_emitters is left out",
+        ),
+        (
+            "<integrator type=\"path\"/><integrator type=\"direct\"/>",
+            "there is more than one integrator: the first one counts",
+        ),
+        (
+            "<sensor type=\"orthographic\"><transform name=\"to_world\"><scale x=\"3\" y=\"2\"/></transform>\
+             </sensor>",
+            "how an orthographic camera is scaled along its x counts for its y as well",
+        ),
+        (
+            "<emitter type=\"point\"/><shape type=\"disk\"><bsdf type=\"mask\"><bsdf type=\"diffuse\"/></bsdf>\
+             </shape>",
+            "a mask lets the light of points, spots and directions through; Mitsuba's casts a black \
+             shadow in it",
+        ),
+        (
+            "<shape type=\"sphere\"><transform name=\"to_world\"><scale x=\"3\"/></transform></shape>",
+            "spheres that are stretched are shown so; Mitsuba keeps them round",
+        ),
+    ] {
+        let notes = read(&format!("{body}{BALL}")).notes;
+        assert!(notes.iter().any(|said| said.ends_with(note)), "{body}: {notes:?}");
+    }
+    let look = |up: &str| {
+        format!(
+            "<sensor type=\"perspective\"><transform name=\"to_world\"><lookat origin=\"0,0,5\" \
+             target=\"0,0,0\" up=\"{up}\"/></transform></sensor>{BALL}"
+        )
+    };
+    assert!(refusal(&look("0,0,1")).ends_with("up is parallel to the view"));
+    read(&look("0,0,0"));
+}
+
+/// However much of a scene is not known, the notes on it can be read.
+#[test]
+fn notes_are_limited() {
+    let mut body = "<shape type=\"sphere\">".to_owned();
+    for i in 0..5000 {
+        body += &format!("<float name=\"a{i}\" value=\"1\"/>");
+    }
+    let notes = read(&(body + "</shape>")).notes;
+    assert!(notes.len() <= 103, "{}", notes.len());
+    assert!(notes.iter().any(|note| note.ends_with(" more of the kind")), "{notes:?}");
+}
+
+/// A group that stands twice is looked at once, but a sphere in it is a sphere only where it stays
+/// round; each object knows its line.
+#[test]
+fn groups_are_placed_as_they_stand() {
+    let loaded = read(
+        "<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/></shape>\n\
+         <shape type=\"instance\"><ref id=\"g\"/></shape>\n\
+         <shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><scale x=\"2\"/>\
+         </transform></shape>\n<shape type=\"instance\"><ref id=\"g\"/></shape>\n\
+         <shape type=\"disk\"/>",
+    );
+    let shapes: Vec<_> = loaded.scene.objects.iter().map(|object| &object.shape).collect();
+    assert!(
+        matches!(
+            shapes[..],
+            [Shape::Sphere { .. }, Shape::Mesh(_), Shape::Sphere { .. }, Shape::Disk { .. }]
+        ),
+        "{shapes:?}"
+    );
+    let line = |number| loaded.lines[&Place::Object(number)];
+    assert_eq!([0, 1, 2, 3].map(line), [2, 2, 2, 6]);
 }
 
 /// Benedikt Bitterli's Cornell box looks as Tungsten shows it: the means of squares are within what

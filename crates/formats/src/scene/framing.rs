@@ -73,6 +73,12 @@ pub(super) fn frame_all(scene: &Scene, size: [u32; 2]) -> Result<Chosen, Unseen>
     Ok(Chosen { authored, camera })
 }
 
+/// The pixel on a side of `new` pixels that is where `pixel` is on one of `old`.
+pub(super) fn rescaled(pixel: u32, old: u32, new: u32) -> u32 {
+    let (pixel, old, new) = (u64::from(pixel), u64::from(old.max(1)), u64::from(new));
+    u32::try_from((pixel * new + old / 2) / old).unwrap_or(u32::MAX)
+}
+
 /// The box around all objects in the world.
 fn bounds_of_all(scene: &Scene) -> Aabb {
     let meshes: Vec<_> = scene.meshes.iter().map(|m| bounds_of(&m.positions)).collect();

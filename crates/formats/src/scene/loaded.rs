@@ -143,6 +143,16 @@ fn labels(cameras: &[AuthoredCamera]) -> Vec<String> {
 /// What is said where a time is asked for in vain.
 pub(super) const NOTHING_MOVES: &str = "nothing in it moves, whatever time is asked for";
 
+/// Which camera is meant by `name`: the one called so, or else the one of this number, from 1 on.
+pub(super) fn position_of<'n>(
+    name: &str,
+    mut names: impl ExactSizeIterator<Item = &'n str>,
+) -> Option<usize> {
+    let count = names.len();
+    let called = names.position(|own| own == name);
+    called.or_else(|| (0..count).find(|at| (at + 1).to_string() == name))
+}
+
 /// Which of the cameras `options` ask for, by its name or number, or else the first one.
 pub(super) fn camera_named(
     cameras: &[AuthoredCamera],
@@ -153,10 +163,7 @@ pub(super) fn camera_named(
         CameraChoice::First | CameraChoice::Auto => return Ok(0),
         CameraChoice::Named(name) => name,
     };
-    if let Some(at) = cameras.iter().position(|camera| camera.name == *name) {
-        return Ok(at);
-    }
-    if let Some(at) = (0..cameras.len()).find(|at| (at + 1).to_string() == *name) {
+    if let Some(at) = position_of(name, cameras.iter().map(|camera| &*camera.name)) {
         return Ok(at);
     }
     let names = cameras.iter().map(|camera| camera.name.as_str()).filter(|name| !name.is_empty());

@@ -289,6 +289,21 @@ pub(super) fn word_at(bytes: &[u8], at: usize) -> String {
     quoted(Cursor::at(bytes, at).word())
 }
 
+/// The last byte of each line end, in their order.
+pub(super) fn line_ends(bytes: &[u8]) -> impl Iterator<Item = usize> {
+    (0..bytes.len()).filter(|&i| ends_line(bytes, i))
+}
+
+/// Whether a line ends with this byte.
+#[inline]
+fn ends_line(bytes: &[u8], at: usize) -> bool {
+    match bytes[at] {
+        b'\n' => true,
+        b'\r' => bytes.get(at + 1) != Some(&b'\n'),
+        _ => false,
+    }
+}
+
 /// The place of byte `at` in the text `bytes` of `file`.
 pub(super) fn place(file: &Path, bytes: &[u8], at: usize) -> Source {
     Places::default().place(file, bytes, at)
@@ -313,12 +328,9 @@ impl Places {
         if at < self.at {
             *self = Self::default();
         }
-        for (i, &byte) in (self.at..at).zip(&bytes[self.at..at]) {
-            let lone_return = byte == b'\r' && bytes.get(i + 1) != Some(&b'\n');
-            if byte == b'\n' || lone_return {
-                self.ended = self.ended.saturating_add(1);
-                self.start = i + 1;
-            }
+        for end in (self.at..at).filter(|&i| ends_line(bytes, i)) {
+            self.ended = self.ended.saturating_add(1);
+            self.start = end + 1;
         }
         self.at = at;
         let line = &bytes[self.start..at];

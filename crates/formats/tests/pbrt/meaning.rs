@@ -11,8 +11,10 @@ use rutilant::settings::{Crop, IntegratorKind, SamplerKind, Settings};
 use rutilant::shape::Shape;
 use rutilant::texture::{Checker, Texture};
 use rutilant::{Prepared, Session};
-use rutilant_formats::{LoadedScene, PictureOrigin};
+use rutilant_formats::camera::{AngleOfView, CameraKind};
+use rutilant_formats::{LoadedScene, PictureOrigin, ReadOptions, parse_pbrt};
 use std::f32::consts::PI;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -137,6 +139,60 @@ fn lights_are_as_bright_as_they_say() {
     assert_eq!(emission.light, EmittedLight::Power(Rgb::grey(8.0)));
 }
 
+/// The illuminance of a picture of the sky is pbrt-v4's: each of n pixels of equal area that stands
+/// above the ground counts for 2π / n, not 4π / n. Of 4 × 4 pixels four do, and stand at a sine of
+/// 3/4 (Clarberg, *Fast Equal-Area Mapping of the (Hemi)Sphere using SIMD*, 2008), so that they
+/// make 4 · 3/4 · 2π / 16 = 3π / 8 of a radiance of 1.
+#[test]
+fn skies_have_the_illuminance_of_pbrt() {
+    let sky = [&b"#?RADIANCE\n\n-Y 4 +X 4\n"[..], &[0x80, 0x80, 0x80, 0x81].repeat(16)].concat();
+    let options = ReadOptions { embedded: &[("sky.hdr", &sky)], ..ReadOptions::default() };
+    let text = "LightSource \"infinite\" \"string filename\" \"sky.hdr\" \"float illuminance\" 6";
+    let loaded = parse_pbrt(text.into(), Path::new("a.pbrt"), &options).expect("sound");
+    let scale = loaded.scene.environment.expect("a sky").scale;
+    assert!((scale / (6.0 / (3.0 * PI / 8.0)) - 1.0).abs() < 0.01, "{scale}");
+}
+
+/// What the caller asks for is the film's size: what is seen follows from its shape, cut out parts
+/// stay the same parts, and a window beside the middle is as large as asked for.
+#[test]
+fn sizes_that_are_asked_for_are_the_films() {
+    let read = |camera: &str, film: &str, size| {
+        let text = format!(
+            "Camera \"perspective\" \"float fov\" 40 {camera} Film \"rgb\" {film} \"integer xresolution\" 60 \
+             \"integer yresolution\" 30 WorldBegin Shape \"sphere\""
+        );
+        let options = ReadOptions { size, ..ReadOptions::default() };
+        parse_pbrt(text.into(), Path::new("a.pbrt"), &options).expect("sound")
+    };
+    let degrees = |loaded: &LoadedScene| match loaded.cameras[0].kind {
+        CameraKind::Perspective { view: AngleOfView::FovDegrees(degrees), .. } => degrees,
+        other => panic!("{other:?}"),
+    };
+    // The angle is the shorter side's: of an upright picture the tangent from bottom to top doubles.
+    let upright = degrees(&read("", "", Some([30, 60])));
+    let expected = 2.0 * (2.0 * 20_f32.to_radians().tan()).atan().to_degrees();
+    assert_eq!(degrees(&read("", "", None)), 40.0);
+    assert!((upright - expected).abs() < 1e-3, "{upright}, not {expected}");
+    for (camera, film, size, whole, crop) in [
+        ("", "\"float cropwindow\" [ 0 .5 0 .5 ]", [30, 30], [30, 30], [0, 0, 15, 15]),
+        ("", "\"integer pixelbounds\" [ 20 40 0 10 ]", [30, 30], [30, 30], [10, 0, 10, 10]),
+        ("\"float screenwindow\" [ 0 2 -1 1 ]", "", [60, 30], [120, 30], [60, 0, 60, 30]),
+        (
+            "",
+            "\"integer xresolution\" 60000 \"integer yresolution\" 60000",
+            [20, 20],
+            [20, 20],
+            [0, 0, 20, 20],
+        ),
+    ] {
+        let settings = read(camera, film, Some(size)).settings;
+        let crop_is =
+            settings.crop.map_or([0, 0, whole[0], whole[1]], |c| [c.x, c.y, c.width, c.height]);
+        assert_eq!((settings.size, crop_is), (whole, crop), "{camera} {film}");
+    }
+}
+
 /// A surface glows on its front: where its vertices run counter-clockwise, or where its normals
 /// point if it has some; mirrored or not, the same side of the thing; turned round by
 /// `ReverseOrientation`.
@@ -202,7 +258,8 @@ fn eyes_see_what_pbrts_do() {
     // The angle is that of the shorter side.
     let fov = |film: &str, camera: &str| {
         let text = format!(
-            "Film \"rgb\" {film} Camera \"perspective\" \"float fov\" 90 {camera} WorldBegin"
+            "Film \"rgb\" {film} Camera \"perspective\" \"float fov\" 90 {camera} WorldBegin \
+             LightSource \"infinite\""
         );
         let loaded = sound(&text);
         let rutilant::camera::Camera::Perspective(camera) = loaded.scene.camera else { panic!() };
@@ -220,7 +277,7 @@ fn eyes_see_what_pbrts_do() {
     assert_eq!(fov(&cut, "").2, Some(Crop { x: 0, y: 50, width: 50, height: 150 }));
     // A lens, in the units of the world where the camera is scaled.
     let loaded = sound(
-        "Scale 2 2 2 Camera \"perspective\" \"float lensradius\" .5 \"float focaldistance\" 6 WorldBegin",
+        "Scale 2 2 2 Camera \"perspective\" \"float lensradius\" .5 \"float focaldistance\" 6 WorldBegin Shape \"sphere\"",
     );
     let lens = loaded.scene.camera.lens().expect("a lens");
     assert!(close(lens.aperture_radius, 0.25) && close(lens.focus_distance, 3.0));
@@ -463,7 +520,7 @@ fn objects_are_placed() {
 /// How pictures are made.
 #[test]
 fn settings_are_read() {
-    let settings = |text: &str| sound(text).settings;
+    let settings = |text: &str| sound(&format!("{text} LightSource \"infinite\"")).settings;
     let usual = settings("");
     assert_eq!((usual.size, usual.spp, usual.max_depth), ([1280, 720], 16, Some(6)));
     assert_eq!(usual.filter, Filter::Gaussian { radius: 1.5, sigma: 0.5 });

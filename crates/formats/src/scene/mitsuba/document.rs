@@ -14,10 +14,12 @@ use crate::options::ReadOptions;
 use crate::scene::affine::Affine;
 use crate::scene::files::{Files, Found};
 use crate::scene::nearest::nearest;
+use crate::scene::notes::Notes;
 use crate::scene::text;
 use crate::shown::shown;
 use std::cell::{Cell, RefCell};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -127,12 +129,6 @@ pub(super) struct Content {
     pub(super) identity: PathBuf,
 }
 
-#[derive(Default)]
-struct Notes {
-    kinds: HashSet<String>,
-    lines: Vec<String>,
-}
-
 /// How deep files may include each other; Mitsuba's own limit.
 const DEEPEST_INCLUDE: usize = 15;
 /// How many files may be included in all: a few files could name each other very often.
@@ -186,9 +182,14 @@ impl<'o> Document<'o> {
         }
     }
 
-    /// The line of the scene's own file that a place is on; `None` for those of other files.
-    pub(super) fn line(&self, place: Place) -> Option<u32> {
-        (place.file == 0).then(|| self.source(place).line)
+    /// The lines of the scene's own file that places are on; those of other files are left out.
+    pub(super) fn lines<P: Copy + Eq + Hash>(&self, places: &HashMap<P, Place>) -> HashMap<P, u32> {
+        let Some((_, text)) = self.sources.first() else { return HashMap::new() };
+        let ends: Vec<usize> = text::line_ends(text.as_bytes()).collect();
+        let own = places.iter().filter(|(_, place)| place.file == 0);
+        // Lines count from 1.
+        own.map(|(part, place)| (*part, ends.partition_point(|end| *end < place.at) as u32 + 1))
+            .collect()
     }
 
     pub(super) fn error(&self, place: Place, kind: SceneErrorKind) -> SceneError {
@@ -205,11 +206,7 @@ impl<'o> Document<'o> {
 
     /// Tells people something, once for each kind.
     pub(super) fn note(&self, place: Place, kind: &str, what: &str) {
-        let mut notes = self.notes.borrow_mut();
-        if notes.kinds.insert(kind.to_owned()) {
-            let line = format!("{}: {what}", self.source(place));
-            notes.lines.push(line);
-        }
+        self.notes.borrow_mut().once(kind, || format!("{}: {what}", self.source(place)));
     }
 
     /// The file `name` beside the scene, or in a folder that it says.
@@ -257,7 +254,7 @@ impl<'o> Document<'o> {
     }
 
     /// All notes, with those on what nobody read.
-    pub(super) fn finish(&self) -> Vec<String> {
+    pub(super) fn finish(&self, path: &Path) -> Vec<String> {
         for object in self.objects.iter().filter(|object| object.seen.get()) {
             let of = match (object.class, &*object.plugin) {
                 (Class::Scene, _) => "the scene".to_owned(),
@@ -278,7 +275,7 @@ impl<'o> Document<'o> {
                 self.note(part.place, &what, &what);
             }
         }
-        std::mem::take(&mut self.notes.borrow_mut().lines)
+        self.notes.take().into_list(path)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::bsdf::Look;
 use super::document::{self, Class, Content, Document, View, plain_text};
 use super::emitter::upright;
-use super::shape::MeshKey;
+use super::shape::{MeshKey, Ready, ReadyKey};
 use super::texture::{Paint, Use};
 use crate::camera::AuthoredCamera;
 use crate::error::{SceneError, SceneErrorKind};
@@ -13,7 +13,7 @@ use crate::options::{CameraChoice, ReadOptions};
 use crate::scene::affine::Affine;
 use crate::scene::bare;
 use crate::scene::framing::seen_whole;
-use crate::scene::loaded::{LoadedScene, camera_named};
+use crate::scene::loaded::{LoadedScene, camera_named, position_of};
 use crate::scene::origins::{Origins, PictureOrigin};
 use crate::scene::pictures::Pictures;
 use rutilant::color::Rgb;
@@ -23,6 +23,7 @@ use rutilant::settings::Settings;
 use rutilant::shape::Mesh;
 use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Reads a `.xml` file as a scene.
@@ -48,6 +49,7 @@ pub(crate) fn read_bytes(
         materials: HashMap::new(),
         paints: HashMap::new(),
         meshes: HashMap::new(),
+        ready: HashMap::new(),
         bytes: HashMap::new(),
         image_names: Vec::new(),
         image_origins: Vec::new(),
@@ -61,6 +63,7 @@ pub(crate) fn read_bytes(
     for emitter in scene.parts(Class::Emitter) {
         maker.emitter(emitter)?;
     }
+    maker.count(scene)?;
     for shape in scene.parts(Class::Shape) {
         maker.place(shape, &Affine::IDENTITY, None)?;
     }
@@ -79,6 +82,8 @@ pub(super) struct Maker<'d, 'o> {
     materials: HashMap<MaterialKey, MaterialId>,
     pub(super) paints: HashMap<(usize, Use), Paint>,
     pub(super) meshes: HashMap<MeshKey, Vec<MeshId>>,
+    /// The parts of groups that have been placed.
+    pub(super) ready: HashMap<ReadyKey, Rc<Ready>>,
     /// Files of which more than one mesh is wanted.
     pub(super) bytes: HashMap<String, Arc<Content>>,
     pub(super) image_names: Vec<String>,
@@ -220,11 +225,13 @@ impl Maker<'_, '_> {
         let options = self.options;
         let sensors: Vec<View<'_, '_>> = scene.parts(Class::Sensor).collect();
         let named = match options.camera {
-            CameraChoice::Named(name) => sensors.iter().position(|sensor| sensor.id() == name),
+            CameraChoice::Named(name) => position_of(name, sensors.iter().map(View::id)),
             CameraChoice::First | CameraChoice::Auto => None,
         };
         let mut settings = Settings::default();
         let shown_by = sensors.get(named.unwrap_or(0)).copied();
+        // Film and sampler of the others do not count.
+        sensors.iter().for_each(View::pass_over_parts);
         self.film(shown_by, &mut settings)?;
         self.integrator(scene, &mut settings)?;
         let size = options.size.unwrap_or(settings.size);
@@ -256,7 +263,7 @@ impl Maker<'_, '_> {
         self.scene.validate().map_err(|problem| self.blame(problem, path))?;
         settings.validate().map_err(|problem| self.blame(problem, path))?;
 
-        let mut notes = self.document.finish();
+        let mut notes = self.document.finish(path);
         notes.append(&mut self.notes);
         let mut files = std::mem::take(&mut *self.document.found.borrow_mut());
         for file in self.pictures.files() {
@@ -264,9 +271,7 @@ impl Maker<'_, '_> {
                 files.push(file);
             }
         }
-        let line =
-            |(part, place): (&Place, &document::Place)| Some((*part, self.document.line(*place)?));
-        let lines = self.places.iter().filter_map(line).collect();
+        let lines = self.document.lines(&self.places);
         Ok(LoadedScene {
             scene: self.scene,
             settings,

@@ -10,6 +10,7 @@ use crate::camera::{
 };
 use crate::error::SceneError;
 use crate::scene::affine::single;
+use crate::scene::framing::rescaled;
 use crate::shown::shown;
 use rutilant::film::Filter;
 use rutilant::settings::{Crop, IntegratorKind, Settings};
@@ -74,7 +75,13 @@ impl Maker<'_, '_> {
         let kind = match sensor.plugin() {
             "orthographic" => {
                 // Two units wide by themselves; the transform scales them.
-                let height = 2.0 * world.linear[0].length() as f32 / aspect;
+                let [wide, high] = [world.linear[0].length(), world.linear[1].length()];
+                if (wide - high).abs() > 1e-4 * wide {
+                    let what = "pixels are squares: how an orthographic camera is scaled along its \
+                                x counts for its y as well";
+                    sensor.note(what, what);
+                }
+                let height = 2.0 * wide as f32 / aspect;
                 CameraKind::Orthographic { height, lens }
             }
             _ => {
@@ -174,7 +181,7 @@ impl Maker<'_, '_> {
         let [width, height] = settings.size;
         let pixels = u64::from(width) * u64::from(height);
         let allowed = self.options.limits.picture;
-        if pixels > allowed {
+        if pixels > allowed && self.options.size.is_none() {
             let kind = crate::error::SceneErrorKind::Limit {
                 what: "pixels of the picture",
                 asked: pixels,
@@ -190,6 +197,23 @@ impl Maker<'_, '_> {
         };
         if crop != (Crop { x: 0, y: 0, width, height }) {
             settings.crop = Some(crop);
+        }
+        // What the caller asks for has the film's shape, and the same part of it is cut out.
+        if let Some(size) = self.options.size {
+            settings.size = size;
+            settings.crop = settings.crop.map(|crop| {
+                let [x0, x1] = [crop.x, crop.x.saturating_add(crop.width)]
+                    .map(|at| rescaled(at, width, size[0]));
+                let [y0, y1] = [crop.y, crop.y.saturating_add(crop.height)]
+                    .map(|at| rescaled(at, height, size[1]));
+                // One pixel is left at least.
+                Crop {
+                    x: x0.min(size[0].saturating_sub(1)),
+                    y: y0.min(size[1].saturating_sub(1)),
+                    width: (x1 - x0).max(1),
+                    height: (y1 - y0).max(1),
+                }
+            });
         }
         film.pass_over(&[
             "file_format",
@@ -218,7 +242,12 @@ impl Maker<'_, '_> {
         scene: View<'_, '_>,
         settings: &mut Settings,
     ) -> Result<(), SceneError> {
-        let Some(integrator) = scene.only(Class::Integrator) else { return Ok(()) };
+        let mut all = scene.parts(Class::Integrator);
+        let Some(integrator) = all.next() else { return Ok(()) };
+        if let Some(other) = all.next() {
+            let what = "there is more than one integrator: the first one counts";
+            other.note(what, what);
+        }
         self.integrator_of(integrator, settings, 0)
     }
 
@@ -233,13 +262,8 @@ impl Maker<'_, '_> {
             // What light does up to the first surface that scatters it.
             "direct" => {
                 settings.max_depth = Some(2);
-                integrator.pass_over(&[
-                    "emitter_samples",
-                    "bsdf_samples",
-                    "shading_samples",
-                    "hide_emitters",
-                ]);
-                return Ok(());
+                integrator.pass_over(&["emitter_samples", "bsdf_samples", "shading_samples"]);
+                return hide_emitters(integrator);
             }
             "depth" => settings.integrator = IntegratorKind::Depth,
             // What is around the integrator that renders: other channels, and their statistics.
@@ -290,12 +314,16 @@ impl Maker<'_, '_> {
             "block_size",
             "timeout",
         ]);
-        if integrator.boolean("hide_emitters", false)? {
-            let what = "lamps are not hidden: hide_emitters is left out";
-            integrator.note(what, what);
-        }
-        Ok(())
+        hide_emitters(integrator)
     }
+}
+
+fn hide_emitters(integrator: View<'_, '_>) -> Result<(), SceneError> {
+    if integrator.boolean("hide_emitters", false)? {
+        let what = "lamps are not hidden: hide_emitters is left out";
+        integrator.note(what, what);
+    }
+    Ok(())
 }
 
 /// Mitsuba's own filter.

@@ -25,8 +25,11 @@ const FACE_NORMALS: u32 = 0x0010;
 const SINGLE: u32 = 0x1000;
 const DOUBLE: u32 = 0x2000;
 
-/// Deflate makes at most so many bytes of one: a match of 258 bytes takes two bits at least.
-const MOST_PER_BYTE: u64 = 1032;
+/// Numbers of a mesh hardly shrink to a twentieth; what would grow more than so many times is not
+/// believed, as with meshes that are packed by gzip.
+const MOST_PER_BYTE: u64 = 200;
+/// What a small mesh may become whatever it is.
+const FREE: u64 = 4 << 10;
 
 /// How many meshes a file holds.
 ///
@@ -34,6 +37,17 @@ const MOST_PER_BYTE: u64 = 1032;
 /// A file whose end says nothing that can be.
 pub fn count(bytes: &[u8], path: &Path) -> Result<u32, SceneError> {
     Ok(Contents::read(bytes, path)?.count)
+}
+
+/// Whether the meshes of a file lie one behind the other: those that share bytes could become far
+/// more than the file can hold. Asked once, before any is read.
+pub(super) fn check_order(bytes: &[u8], path: &Path) -> Result<(), SceneError> {
+    let contents = Contents::read(bytes, path)?;
+    let offsets = (0..contents.count).map(|number| contents.offset(number));
+    if offsets.is_sorted() {
+        return Ok(());
+    }
+    Err(SceneError::invalid_file(path, "its meshes do not lie one behind the other"))
 }
 
 /// The mesh of a number, from 0 on, of the content of a file; `path` is only for messages. Textures
@@ -77,7 +91,7 @@ pub fn read_bytes(
     let numbers = 3 + 3 * has(NORMALS) + 2 * has(UVS) + 3 * has(COLORS);
     let size = if double { 8 } else { 4 };
     let needed = u128::from(vertices) * u128::from(numbers * size) + u128::from(triangles) * 12;
-    if needed > u128::from(unpacked.packed) * u128::from(MOST_PER_BYTE) {
+    if needed > u128::from(unpacked.packed) * u128::from(MOST_PER_BYTE) + u128::from(FREE) {
         let what = format!(
             "it says that it has {vertices} vertices and {triangles} triangles, for which its bytes \
              are too few"
@@ -86,23 +100,21 @@ pub fn read_bytes(
     }
 
     // Its arrays.
-    let positions = unpacked.numbers(vertices * 3, double)?;
-    let mut mesh = Mesh { name, positions: triples(&positions), ..Mesh::default() };
-    drop(positions);
+    let positions = unpacked.numbers(vertices, double, Vec3::from_array)?;
+    let mut mesh = Mesh { name, positions, ..Mesh::default() };
     if flags & NORMALS != 0 {
-        let normals = unpacked.numbers(vertices * 3, double)?;
+        let normals = unpacked.numbers(vertices, double, Vec3::from_array)?;
         if flags & FACE_NORMALS == 0 {
-            mesh.normals = triples(&normals);
+            mesh.normals = normals;
         }
     }
     if flags & UVS != 0 {
-        let uvs = unpacked.numbers(vertices * 2, double)?;
-        mesh.uvs = uvs.chunks_exact(2).map(Vec2::from_slice).collect();
+        mesh.uvs = unpacked.numbers(vertices, double, Vec2::from_array)?;
     }
     if flags & COLORS != 0 {
-        let colors = unpacked.numbers(vertices * 3, double)?;
-        mesh.colors = colors.chunks_exact(3).map(|c| [c[0], c[1], c[2], 1.0]).collect();
+        mesh.colors = unpacked.numbers(vertices, double, |[r, g, b]| [r, g, b, 1.0])?;
     }
+    mesh.triangles.reserve_exact(triangles as usize);
     unpacked.pieces(triangles * 12, |bytes| {
         mesh.triangles.extend(bytes.chunks_exact(12).map(|corners| {
             let corner = |i: usize| corners[4 * i..].first_chunk().copied().unwrap_or_default();
@@ -115,10 +127,6 @@ pub fn read_bytes(
         return Err(unpacked.invalid(&what));
     }
     Ok(mesh)
-}
-
-fn triples(numbers: &[f32]) -> Vec<Vec3> {
-    numbers.chunks_exact(3).map(Vec3::from_slice).collect()
 }
 
 /// What the end of a file says of it.
@@ -159,6 +167,16 @@ impl<'b> Contents<'b> {
         Some((size, self.bytes.len().checked_sub(length)?))
     }
 
+    /// Where a mesh is said to begin.
+    fn offset(&self, number: u32) -> Option<usize> {
+        let (size, table) = self.table()?;
+        let entry = self.bytes.get(table + number as usize * size..)?;
+        match size {
+            8 => usize::try_from(u64::from_le_bytes(*entry.first_chunk()?)).ok(),
+            _ => usize::try_from(u32::from_le_bytes(*entry.first_chunk()?)).ok(),
+        }
+    }
+
     /// The compressed bytes of a mesh.
     fn mesh(&self, number: u32) -> Result<&'b [u8], SceneError> {
         let invalid = |what: String| Err(SceneError::invalid_file(self.path, what));
@@ -166,18 +184,11 @@ impl<'b> Contents<'b> {
             let last = self.count - 1;
             return invalid(format!("there is no mesh number {number}; they go from 0 to {last}"));
         }
-        let Some((size, table)) = self.table() else {
+        let Some((_, table)) = self.table() else {
             return invalid("there is no list of meshes".to_owned());
         };
-        let offset = |i: u32| -> Option<usize> {
-            let entry = self.bytes.get(table + i as usize * size..)?;
-            match size {
-                8 => usize::try_from(u64::from_le_bytes(*entry.first_chunk()?)).ok(),
-                _ => usize::try_from(u32::from_le_bytes(*entry.first_chunk()?)).ok(),
-            }
-        };
-        let start = offset(number).filter(|start| *start < table);
-        let end = if number + 1 < self.count { offset(number + 1) } else { Some(table) };
+        let start = self.offset(number).filter(|start| *start < table);
+        let end = if number + 1 < self.count { self.offset(number + 1) } else { Some(table) };
         let Some((start, end)) = start.zip(end.filter(|end| *end <= table)) else {
             return invalid(format!("mesh {number} is said to begin outside of the file"));
         };
@@ -244,19 +255,24 @@ impl Unpacked<'_> {
         Ok(())
     }
 
-    fn numbers(&mut self, count: u64, double: bool) -> Result<Vec<f32>, SceneError> {
-        let mut numbers = Vec::new();
-        if double {
-            self.pieces(count * 8, |bytes| {
-                let chunks = bytes.as_chunks().0.iter();
-                numbers.extend(chunks.map(|bytes| f64::from_le_bytes(*bytes) as f32));
-            })?;
-        } else {
-            self.pieces(count * 4, |bytes| {
-                let chunks = bytes.as_chunks().0.iter();
-                numbers.extend(chunks.map(|bytes| f32::from_le_bytes(*bytes)));
-            })?;
-        }
-        Ok(numbers)
+    /// So many things of `N` numbers each.
+    fn numbers<const N: usize, T>(
+        &mut self,
+        count: u64,
+        double: bool,
+        make: impl Fn([f32; N]) -> T,
+    ) -> Result<Vec<T>, SceneError> {
+        let mut all = Vec::with_capacity(count as usize);
+        let size = if double { 8 } else { 4 };
+        self.pieces(count * (N * size) as u64, |bytes| {
+            let number = |bytes: &[u8]| match bytes {
+                &[a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
+                _ => bytes.first_chunk().map_or(0.0, |b| f64::from_le_bytes(*b) as f32),
+            };
+            all.extend(bytes.chunks_exact(N * size).map(|some| {
+                make(std::array::from_fn(|i| number(&some[i * size..(i + 1) * size])))
+            }));
+        })?;
+        Ok(all)
     }
 }

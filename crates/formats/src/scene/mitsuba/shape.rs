@@ -9,10 +9,12 @@ use super::scene::Maker;
 use super::serialized;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::affine::{Affine, single};
-use crate::scene::{called, obj, ply};
-use rutilant::scene::MeshId;
+use crate::scene::{called, obj, ply, round};
+use rutilant::scene::{MaterialId, MeshId};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec2, Vec3, real};
+use std::collections::HashMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// All that are read.
@@ -48,8 +50,16 @@ enum From {
     Cylinder,
 }
 
-/// Sides of a cylinder, and of a sphere around its equator: its outline is off by 0.03 %.
-const SIDES: u32 = 128;
+/// A shape with its material, to be put where its group stands.
+pub(super) struct Ready {
+    name: Arc<str>,
+    material: MaterialId,
+    /// What it is made of, and where each body stands in the group.
+    bodies: Vec<(Shape, Affine)>,
+}
+
+/// The numbers of a shape and of its group, and whether that is stretched where it stands.
+pub(super) type ReadyKey = (usize, usize, bool);
 
 impl Maker<'_, '_> {
     /// Puts a shape where `world_from_group` says; a `group` is what it stands in.
@@ -69,6 +79,81 @@ impl Maker<'_, '_> {
             _ if !KNOWN.contains(&shape.plugin()) => return Err(shape.unknown(KNOWN)),
             _ => {}
         }
+        let stretched = world_from_group.uniform_scale().is_none();
+        let ready = match group {
+            None => Rc::new(self.ready(shape, stretched, None)?),
+            // However often it stands, it is looked at once.
+            Some(group) => {
+                let key = (shape.number, group.number, stretched);
+                match self.ready.get(&key) {
+                    Some(ready) => Rc::clone(ready),
+                    None => {
+                        let ready = Rc::new(self.ready(shape, stretched, Some(group))?);
+                        self.ready.insert(key, Rc::clone(&ready));
+                        ready
+                    }
+                }
+            }
+        };
+        let world_from_group = self.turn * *world_from_group;
+        for (body, placed) in &ready.bodies {
+            let asked = self.scene.objects.len() as u64 + 1;
+            self.check_objects(asked, shape)?;
+            let world = world_from_group * *placed;
+            let object = rutilant::scene::Place::Object(self.scene.objects.len());
+            self.remember(object, shape.place());
+            let Some(world_from_object) = world.to_transform() else {
+                let what = "here the numbers of its place grow beyond all bounds";
+                return Err(shape.document.invalid(shape.place(), what));
+            };
+            let (name, shape, material) = (Arc::clone(&ready.name), body.clone(), ready.material);
+            self.scene.objects.push(Object {
+                name,
+                shape,
+                material,
+                world_from_object,
+                group: None,
+            });
+        }
+        Ok(())
+    }
+
+    fn check_objects(&self, asked: u64, at: View<'_, '_>) -> Result<(), SceneError> {
+        let allowed = self.options.limits.objects;
+        if asked <= allowed {
+            return Ok(());
+        }
+        let kind = SceneErrorKind::Limit { what: "objects", asked, allowed };
+        Err(at.document.error(at.place(), kind))
+    }
+
+    /// Refuses more objects than there may be before any takes memory: few lines can ask for very
+    /// many. A shape counts as one here.
+    pub(super) fn count(&self, scene: View<'_, '_>) -> Result<(), SceneError> {
+        let mut count = 0_u64;
+        let mut groups = HashMap::<usize, u64>::new();
+        for shape in scene.parts(Class::Shape) {
+            count += match shape.plugin() {
+                "shapegroup" => 0,
+                "instance" => shape.only(Class::Shape).map_or(0, |group| {
+                    let parts = || group.parts(Class::Shape).count() as u64;
+                    *groups.entry(group.number).or_insert_with(parts)
+                }),
+                _ => 1,
+            };
+            self.check_objects(count, shape)?;
+        }
+        Ok(())
+    }
+
+    /// A shape in its group, with its own `to_world` in the places of its bodies. Whether the group
+    /// is `stretched` tells what a sphere can be.
+    fn ready(
+        &mut self,
+        shape: View<'_, '_>,
+        stretched: bool,
+        group: Option<View<'_, '_>>,
+    ) -> Result<Ready, SceneError> {
         let to_world = shape.transform("to_world")?;
         let flipped = shape.boolean("flip_normals", false)?;
         shape.pass_over(&["silhouette_sampling_weight", "name"]);
@@ -80,6 +165,11 @@ impl Maker<'_, '_> {
             (None, None) => Look::grey(),
             (None, Some(_)) => Look::black(),
         };
+        if look.opacity.is_some() && !self.scene.lights.is_empty() {
+            let what = "a mask lets the light of points, spots and directions through; Mitsuba's \
+                        casts a black shadow in it";
+            shape.note(what, what);
+        }
         look.textured |= emission.is_some_and(|emission| emission.texture.is_some());
         let material = self.material(shape, bsdf, &look, emission)?;
         let mut shapes: Vec<(Shape, Affine)> = Vec::new();
@@ -105,10 +195,15 @@ impl Maker<'_, '_> {
                 let radius = f64::from(shape.number("radius", 1.0)?);
                 let placed = Affine { translation: center, ..Affine::IDENTITY };
                 let round = to_world.uniform_scale().is_some();
-                if as_mesh || !round || world_from_group.uniform_scale().is_none() {
+                if as_mesh || !round || stretched {
                     let what = "spheres that are textured, stretched or turned inside out become \
                                 triangles";
                     shape.note(what, what);
+                    if !round || stretched {
+                        let what =
+                            "spheres that are stretched are shown so; Mitsuba keeps them round";
+                        shape.note(what, what);
+                    }
                     let sized = placed * Affine::scale(DVec3::splat(radius));
                     let made = self.made(From::Sphere, flipped);
                     shapes.extend(meshes(made).map(|(shape, _)| (shape, sized)));
@@ -144,30 +239,8 @@ impl Maker<'_, '_> {
             Some(group) => called::part_of(group.id(), called::shortened(name)),
             None => called::shortened(name).into(),
         };
-        for (body, placed) in shapes {
-            let allowed = self.options.limits.objects;
-            if self.scene.objects.len() as u64 >= allowed {
-                let (what, asked) = ("objects", allowed.saturating_add(1));
-                let kind = SceneErrorKind::Limit { what, asked, allowed };
-                return Err(shape.document.error(shape.place(), kind));
-            }
-            let world = self.turn * *world_from_group * to_world * placed;
-            let object = rutilant::scene::Place::Object(self.scene.objects.len());
-            self.remember(object, shape.place());
-            let Some(world_from_object) = world.to_transform() else {
-                let what = "here the numbers of its place grow beyond all bounds";
-                return Err(shape.document.invalid(shape.place(), what));
-            };
-            let (name, shape) = (Arc::clone(&name), body);
-            self.scene.objects.push(Object {
-                name,
-                shape,
-                material,
-                world_from_object,
-                group: None,
-            });
-        }
-        Ok(())
+        let bodies = shapes.into_iter().map(|(body, placed)| (body, to_world * placed)).collect();
+        Ok(Ready { name, material, bodies })
     }
 
     fn instance(
@@ -212,6 +285,7 @@ impl Maker<'_, '_> {
                 let file = Arc::new(self.document.content(name, place)?);
                 // Only these are read again for another mesh.
                 if shape.plugin() == "serialized" {
+                    serialized::check_order(&file.bytes, &file.path)?;
                     self.bytes.insert(name.to_owned(), Arc::clone(&file));
                 }
                 file
@@ -314,55 +388,12 @@ fn smooth_normals(mesh: &Mesh) -> Vec<Vec3> {
 
 /// A sphere of radius 1 with its poles on the z axis; u is longitude, v begins at +z.
 fn sphere() -> Mesh {
-    let mut mesh = Mesh { name: "sphere".to_owned(), ..Mesh::default() };
-    let rows = SIDES / 2;
-    for row in 0..=rows {
-        let v = row as f32 / rows as f32;
-        let (sin, cos) = real::sin_cos_degrees(180.0 * v);
-        for side in 0..=SIDES {
-            let u = side as f32 / SIDES as f32;
-            let (s, c) = real::sin_cos_degrees(360.0 * u);
-            let at = Vec3::new(sin * c, sin * s, cos);
-            mesh.positions.push(at);
-            mesh.normals.push(at);
-            mesh.uvs.push(Vec2::new(u, v));
-        }
-    }
-    grid(&mut mesh, rows, false);
-    mesh
+    Mesh { name: "sphere".to_owned(), ..round::sphere(1.0, [90.0, -90.0], 360.0) }
 }
 
 /// The side of a cylinder of radius 1 around z from 0 to 1, without its ends; u goes around, v up.
 fn cylinder() -> Mesh {
-    let mut mesh = Mesh { name: "cylinder".to_owned(), ..Mesh::default() };
-    for row in 0..=1 {
-        for side in 0..=SIDES {
-            let u = side as f32 / SIDES as f32;
-            let (s, c) = real::sin_cos_degrees(360.0 * u);
-            mesh.positions.push(Vec3::new(c, s, row as f32));
-            mesh.normals.push(Vec3::new(c, s, 0.0));
-            mesh.uvs.push(Vec2::new(u, row as f32));
-        }
-    }
-    grid(&mut mesh, 1, true);
-    mesh
-}
-
-/// Triangles between rows of vertices, whose fronts are outside where rows go up, or down.
-fn grid(mesh: &mut Mesh, rows: u32, up: bool) {
-    for row in 0..rows {
-        for side in 0..SIDES {
-            let a = row * (SIDES + 1) + side;
-            let [b, c, d] = [a + 1, a + SIDES + 1, a + SIDES + 2];
-            let pair = if up { [[a, b, d], [a, d, c]] } else { [[a, d, b], [a, c, d]] };
-            // At poles a row is a point, and one of the two has no area.
-            let place = |i: u32| mesh.positions[i as usize];
-            let has_area =
-                |t: &[u32; 3]| (0..3).all(|i| place(t[i]).distance(place(t[(i + 1) % 3])) > 1e-6);
-            let pair: Vec<_> = pair.into_iter().filter(has_area).collect();
-            mesh.triangles.extend(pair);
-        }
-    }
+    Mesh { name: "cylinder".to_owned(), ..round::cylinder(1.0, [0.0, 1.0], 360.0) }
 }
 
 /// A cube from −1 to 1 with the texture coordinates that Mitsuba's has.

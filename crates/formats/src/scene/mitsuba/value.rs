@@ -289,8 +289,7 @@ fn transform(steps: &[(&str, Vec<Word>, usize)]) -> Result<Affine, Wrong> {
                     triple(text, at)
                 });
                 let up = words.find("up").map(|(text, at)| triple(text, at)).transpose()?;
-                look_at(origin?, target?, up)
-                    .ok_or_else(|| none("origin and target are the same point"))?
+                look_at(origin?, target?, up).map_err(none)?
             }
             "matrix" => {
                 words.known(&["value"])?;
@@ -312,12 +311,14 @@ fn transform(steps: &[(&str, Vec<Word>, usize)]) -> Result<Affine, Wrong> {
     Ok(all)
 }
 
-/// A camera at `origin` that looks at `target`, with its x to the left; `None` where these are the
-/// same. Where `up` is missing or along the view, another is chosen.
-fn look_at(origin: DVec3, target: DVec3, up: Option<DVec3>) -> Option<Affine> {
-    let any = || (target - origin).try_normalize().map(|ahead| ahead.any_orthonormal_vector());
-    up.and_then(|up| Affine::look_at(origin, target, up))
-        .or_else(|| Affine::look_at(origin, target, any()?))
+/// A camera at `origin` that looks at `target`, with its x to the left, or why there is none. Where
+/// `up` is missing or nought, another is chosen.
+fn look_at(origin: DVec3, target: DVec3, up: Option<DVec3>) -> Result<Affine, &'static str> {
+    let Some(ahead) = (target - origin).try_normalize() else {
+        return Err("origin and target are the same point");
+    };
+    let up = up.filter(|up| *up != DVec3::ZERO).unwrap_or_else(|| ahead.any_orthonormal_vector());
+    Affine::look_at(origin, target, up).ok_or("up is parallel to the view")
 }
 
 /// Sixteen numbers row by row, or the nine of the linear part.

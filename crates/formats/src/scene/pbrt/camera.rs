@@ -9,7 +9,6 @@
 use super::description::{Description, Eye};
 use super::film::Film;
 use super::lexer::{Place, Texts};
-use super::notes::Notes;
 use super::parameters::Parameters;
 use crate::camera::{
     AngleOfView, Aperture, AuthoredCamera, AuthoredLens, CameraKind, FocusOn, SENSOR_HEIGHT_MM,
@@ -17,6 +16,7 @@ use crate::camera::{
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::affine::{Affine, single};
 use crate::scene::nearest::nearest;
+use crate::scene::notes::Notes;
 use crate::shown::shown;
 use rutilant::settings::Crop;
 use rutilant_geom::{DVec3, real};
@@ -69,9 +69,10 @@ pub(super) fn read(
     let [width, height] = film.size.map(|side| side as f32);
     let aspect = parameters.number_or("frameaspectratio", width / height, texts)?;
     if aspect.is_nan() || aspect <= 0.0 {
-        return Err(
-            texts.invalid(place, format!("frameaspectratio is {aspect}, but must be more than 0"))
-        );
+        return Err(texts.invalid(
+            parameters.place_of("frameaspectratio"),
+            format!("frameaspectratio is {aspect}, but must be more than 0"),
+        ));
     }
     let usual = match aspect > 1.0 {
         true => [-aspect, aspect, -1.0, 1.0],
@@ -80,7 +81,7 @@ pub(super) fn read(
     let window = parameters.some::<4>("screenwindow", texts)?.unwrap_or(usual);
     let window = Window::of(window, film.size).ok_or_else(|| {
         texts.invalid(
-            place,
+            parameters.place_of("screenwindow"),
             "\"screenwindow\" must be left, right, bottom and top, and hold something",
         )
     })?;
@@ -90,6 +91,10 @@ pub(super) fn read(
         let distance = parameters.number_or("focaldistance", 1e6, texts)?;
         let mut lens = AuthoredLens::PINHOLE;
         if radius > 0.0 {
+            if distance.is_nan() || distance <= 0.0 {
+                let what = format!("focaldistance is {distance}, but must be more than 0");
+                return Err(texts.invalid(parameters.place_of("focaldistance"), what));
+            }
             lens.aperture = Aperture::Radius(radius * scale as f32);
             lens.focus = FocusOn::Distance(distance * scale as f32);
         } else if radius < 0.0 {
@@ -107,7 +112,8 @@ pub(super) fn read(
             };
             if !(fov > 0.0 && fov < 180.0) {
                 let what = format!("fov is {fov}, but must be more than 0 and less than 180");
-                return Err(texts.invalid(place, what));
+                let name = if parameters.get("halffov").is_some() { "halffov" } else { "fov" };
+                return Err(texts.invalid(parameters.place_of(name), what));
             }
             let half = real::tan(0.5 * fov.to_radians()) * window.half_height;
             let degrees = (2.0 * real::atan(half)).to_degrees();

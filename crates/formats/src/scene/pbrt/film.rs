@@ -6,17 +6,18 @@
 
 use super::description::{Description, Named};
 use super::lexer::{Place, Texts};
-use super::notes::Notes;
 use super::parameters::Parameters;
 use crate::error::{SceneError, SceneErrorKind};
 use crate::options::ReadOptions;
+use crate::scene::framing::rescaled;
+use crate::scene::notes::Notes;
 use crate::shown::shown;
 use rutilant::film::Filter;
 use rutilant::settings::{Crop, IntegratorKind, SamplerKind, Settings};
 
 /// What is known of the film.
 pub(super) struct Film {
-    /// Width and height of what is asked for, before any crop.
+    /// Width and height of what is asked for, before any crop: by the caller, or else by the scene.
     pub(super) size: [u32; 2],
     /// The part of it that is rendered.
     pub(super) crop: Option<Crop>,
@@ -49,7 +50,7 @@ impl Film {
             }
         }
         let Some(Named { name, parameters }) = &description.film else {
-            return Ok(Self { size: usual, crop: None, exposure: open });
+            return Ok(Self { size: options.size.unwrap_or(usual), crop: None, exposure: open });
         };
         let place = parameters.place;
         if !matches!(&**name, "rgb" | "image" | "gbuffer" | "spectral") {
@@ -63,14 +64,17 @@ impl Film {
                 *side = u32::try_from(asked).ok().filter(|s| (1..=most).contains(s)).ok_or_else(
                     || {
                         texts.invalid(
-                            place,
+                            parameters.place_of(name),
                             format!("{name} is {asked}, but must lie between 1 and {most}"),
                         )
                     },
                 )?;
             }
         }
-        let crop = crop(parameters, size, texts)?;
+        // What the caller asks for has the film's shape, as if the scene had said it.
+        let own = size;
+        size = options.size.unwrap_or(own);
+        let crop = crop(parameters, size, own, texts)?;
         let mut exposure = open;
         let iso = parameters.number_or("iso", 100.0, texts)?;
         exposure *= iso / 100.0;
@@ -115,20 +119,26 @@ impl Film {
     }
 }
 
-/// The part of the film that is rendered.
+/// The part of the film that is rendered; `own` is the size that the scene's numbers are for.
 fn crop(
     parameters: &Parameters,
     [width, height]: [u32; 2],
+    own: [u32; 2],
     texts: &Texts,
 ) -> Result<Option<Crop>, SceneError> {
     let pixels = match (parameters.get("pixelbounds"), parameters.some::<4>("cropwindow", texts)?) {
         (Some(_), _) => {
             let bounds = parameters.wholes("pixelbounds", texts)?.unwrap_or_default();
             match *bounds {
-                [x0, x1, y0, y1] => [x0, x1, y0, y1].map(|v| v.max(0) as u32),
+                [x0, x1, y0, y1] => {
+                    let at = |pixel: i32, i: usize| {
+                        rescaled(pixel.max(0) as u32, own[i], [width, height][i])
+                    };
+                    [at(x0, 0), at(x1, 0), at(y0, 1), at(y1, 1)]
+                }
                 _ => {
                     let what = "\"pixelbounds\" must be 4 whole numbers";
-                    return Err(texts.invalid(parameters.place, what));
+                    return Err(texts.invalid(parameters.place_of("pixelbounds"), what));
                 }
             }
         }
@@ -162,7 +172,7 @@ pub(super) fn settings(
 
     // Samples for each pixel.
     settings.spp = 16;
-    if let Some(sampler @ Named { name, parameters }) = &description.sampler {
+    if let Some(Named { name, parameters }) = &description.sampler {
         let count = |name: &str| parameters.whole(name, texts);
         let asked = match (count("xsamples")?, count("ysamples")?) {
             (None, None) => count("pixelsamples")?.map(i64::from),
@@ -170,7 +180,8 @@ pub(super) fn settings(
         };
         if let Some(asked) = asked {
             settings.spp = u64::try_from(asked).ok().filter(|spp| *spp > 0).ok_or_else(|| {
-                texts.invalid(place(sampler), format!("{asked} samples for each pixel are too few"))
+                let place = parameters.place_of("pixelsamples");
+                texts.invalid(place, format!("{asked} samples for each pixel are too few"))
             })?;
         }
         if matches!(&**name, "independent" | "random") {
@@ -191,7 +202,7 @@ pub(super) fn settings(
                 Ok(depth) => Some(depth.saturating_add(1)),
                 Err(_) => {
                     let what = format!("maxdepth is {depth}, but must be 0 or more");
-                    return Err(texts.invalid(place(integrator), what));
+                    return Err(texts.invalid(parameters.place_of("maxdepth"), what));
                 }
             };
         }
@@ -212,13 +223,11 @@ pub(super) fn settings(
             "lightsampler",
             "lightsamplestrategy",
             "regularize",
-            "pixelbounds",
             "strategy",
         ]);
         if !matches!(&**name, "path" | "volpath") {
             parameters.ignore(&[
                 "cossample",
-                "maxdistance",
                 "numiterations",
                 "iterations",
                 "photonsperiteration",

@@ -1,6 +1,7 @@
 //! Words, texts and brackets out of a scene's text, each with its place.
 
 use crate::error::{SceneError, SceneErrorKind, Source};
+use crate::scene::notes::Notes;
 use crate::scene::text;
 use crate::shown::{decode, quoted};
 use std::path::PathBuf;
@@ -49,6 +50,14 @@ impl Texts {
     /// What is meant is not done here.
     pub(super) fn unsupported(&self, place: Place, what: impl Into<String>) -> SceneError {
         self.error(place, SceneErrorKind::Unsupported(what.into()))
+    }
+}
+
+impl Notes {
+    /// Says it at its place, the first time.
+    pub(super) fn say(&mut self, texts: &Texts, place: Place, what: impl Into<String>) {
+        let what = what.into();
+        self.once(&what, || format!("{}: {what}", texts.source(place)));
     }
 }
 

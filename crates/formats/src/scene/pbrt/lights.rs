@@ -135,7 +135,8 @@ impl Maker<'_> {
         parameters.ignore(&["nsamples", "samples"]);
         let mut texture = None;
         if let Some(name) = parameters.text("filename", self.texts)?.map(str::to_owned) {
-            texture = Some(self.plain_picture(&name, Encoding::Srgb, parameters.place));
+            texture =
+                Some(self.plain_picture(&name, Encoding::Srgb, parameters.place_of("filename")));
         }
         parameters.tell_unused(self.texts, &mut self.notes);
         let light = match power {
@@ -277,20 +278,27 @@ impl Maker<'_> {
         lux: Option<f32>,
     ) -> Result<(), SceneError> {
         let place = parameters.place;
-        let (name, projection) = match parameters.text("mapname", self.texts)? {
-            Some(name) => (name.to_owned(), Projection::Equirectangular),
-            None => {
-                let name = parameters.text("filename", self.texts)?.unwrap_or_default();
-                (name.to_owned(), Projection::Octahedral)
-            }
+        let (key, projection) = match parameters.get("mapname") {
+            Some(_) => ("mapname", Projection::Equirectangular),
+            None => ("filename", Projection::Octahedral),
         };
-        let invalid = |what: String| self.texts.invalid(place, what);
+        let name = parameters.text(key, self.texts)?.unwrap_or_default().to_owned();
+        let named = parameters.place_of(key);
+        let invalid = |what: String| self.texts.invalid(named, what);
         let find = || self.files.find(&name).map_err(invalid);
         let (read, mut origin) = sky_picture(self.files, &name, &self.options.limits, find)?;
         if let PictureOrigin::File(file) = &origin {
             self.read_files.push(file.clone());
         }
         let mut picture = read.map_err(|error| invalid(error.to_string()))?;
+        let (width, height) = (picture.width(), picture.height());
+        if projection == Projection::Octahedral && width != height {
+            let what = format!(
+                "\"{}\" has {width}x{height} pixels, but the map of a sky in equal areas is a square",
+                shown(&name)
+            );
+            return Err(invalid(what));
+        }
         if self.world.mirrors_sky {
             picture = mirrored(&picture);
             let bytes = image::to_exr(&picture).map_err(invalid)?;
@@ -354,21 +362,24 @@ fn mirrored(picture: &Image) -> Image {
     same.unwrap_or_else(|| picture.clone())
 }
 
-/// The luminance that falls onto the ground from the upper half of a sky.
+/// The luminance that falls onto the ground from the upper half of a sky; of a map of equal areas
+/// half of it, for so does pbrt-v4 reckon.
 fn upper_illuminance(picture: &Image, projection: Projection) -> f32 {
     let Some(pixels) = picture.rgb() else { return 0.0 };
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let mut sum = 0.0_f64;
     for (i, pixel) in pixels.into_iter().enumerate() {
         let (column, row) = ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        // How high a pixel stands, and its solid angle.
+        // How high a pixel stands, and the solid angle that it counts for.
         let (up, angle) = match projection {
             Projection::Octahedral => {
                 let [u, v] =
                     [column / width as f64, row / height as f64].map(|x| (2.0 * x - 1.0).abs());
                 let inside = 1.0 - (u + v);
                 let radius = 1.0 - inside.abs();
-                let angle = 4.0 * std::f64::consts::PI / (width * height) as f64;
+                // All pixels are a sphere, but pbrt-v4 takes them for its upper half alone, so that
+                // its skies are twice as bright as they say (lights.cpp, `Light::Create`).
+                let angle = 2.0 * std::f64::consts::PI / (width * height) as f64;
                 ((1.0 - radius * radius) * inside.signum(), angle)
             }
             Projection::Equirectangular | Projection::Cube => {

@@ -15,7 +15,6 @@ mod gzip;
 mod lexer;
 mod lights;
 mod materials;
-mod notes;
 mod parameters;
 mod parser;
 pub(crate) mod scene;

@@ -1,8 +1,8 @@
 //! What statements are told in: `"float radius" [ 2 ]`, each with its type, its name and its place.
 
 use super::lexer::{Kind, Lexer, Place, Texts, number, whole};
-use super::notes::Notes;
 use crate::error::{SceneError, SceneErrorKind};
+use crate::scene::notes::Notes;
 use crate::shown::shown;
 use std::cell::Cell;
 use std::rc::Rc;
@@ -147,6 +147,11 @@ impl Parameters {
         let found = self.list.iter().find(|parameter| parameter.name == name)?;
         found.used.set(true);
         Some(found)
+    }
+
+    /// Where the one of a name stands; else where the statement does.
+    pub(super) fn place_of(&self, name: &str) -> Place {
+        self.get(name).map_or(self.place, |parameter| parameter.place)
     }
 
     /// Nobody need be told that these change nothing.

@@ -2,14 +2,14 @@
 //! they change.
 //!
 //! Nothing is nested in the program as it is in the text: begun attributes and included files lie on
-//! lists, so that no text can make a stack too small.
+//! lists, so that no text can make a stack too small here. Textures of textures and mixtures of
+//! mixtures are followed later, by calls within calls, and up to a fixed depth.
 
 use super::description::{
     Description, Eye, Instance, LightStatement, Named, Placed, TextureStatement,
 };
 use super::gzip;
 use super::lexer::{Kind, Lexer, Place, Texts, number};
-use super::notes::Notes;
 use super::parameters::{Before, Parameters};
 use super::shapes::{self, PlyFiles};
 use super::state::{AreaLight, Chosen, Saved, State, TARGETS};
@@ -20,6 +20,7 @@ use crate::options::ReadOptions;
 use crate::scene::affine::Affine;
 use crate::scene::files::Files;
 use crate::scene::nearest::nearest;
+use crate::scene::notes::Notes;
 use crate::shown::shown;
 use rutilant_geom::DVec3;
 use std::collections::HashMap;
@@ -208,7 +209,24 @@ impl<'o> Parser<'o> {
         Ok(Open { lexer, identity: Some(identity), restores })
     }
 
+    /// Tells of a statement on the wrong side of `WorldBegin`, which pbrt refuses.
+    fn check_side(&mut self, name: &str, place: Place) {
+        let what = match name {
+            "Camera" | "Film" | "Integrator" | "PixelFilter" | "Sampler" if self.in_world => {
+                format!("{name} must stand before WorldBegin: it counts as if it did")
+            }
+            "Shape" | "LightSource" | "ObjectInstance" if !self.in_world => {
+                "there is no WorldBegin before the first thing of the world: it counts as if there \
+                 were"
+                    .to_owned()
+            }
+            _ => return,
+        };
+        self.notes.say(&self.texts, place, what);
+    }
+
     fn statement(&mut self, name: &str, place: Place, lexer: &mut Lexer) -> Result<(), SceneError> {
+        self.check_side(name, place);
         match name {
             // Transformations.
             "Identity" => self.state.map = Affine::IDENTITY,
@@ -313,6 +331,10 @@ impl<'o> Parser<'o> {
             "Camera" => {
                 let (kind, parameters) = self.made(lexer, name, place)?;
                 let map = self.state.map;
+                if !self.state.outside.is_empty() {
+                    let what = "the camera stands in no medium: that around it is left out";
+                    self.notes.say(&self.texts, place, what);
+                }
                 if let Some(back) = map.inverse() {
                     self.systems.insert("camera".to_owned(), back);
                 }
@@ -465,7 +487,7 @@ impl<'o> Parser<'o> {
         let (kind, parameters) = self.made(lexer, "Shape", place)?;
         let parameters = parameters.with_defaults(&self.state.defaults[0]);
         self.check_objects(self.description.shapes.len() + 1, place)?;
-        let Some((form, parts)) = shapes::read(&kind, &parameters, self)? else { return Ok(()) };
+        let (form, parts) = shapes::read(&kind, &parameters, self)?;
         let mut state = self.state.clone();
         if self.object.is_some() && state.area_light.take().is_some() {
             let what = "what is placed as an object does not glow: AreaLightSource is left out";

@@ -6,7 +6,6 @@ use super::film::{self, Film};
 use super::lexer::{Place, Texts};
 use super::lights::{self, World};
 use super::materials::Which;
-use super::notes::Notes;
 use super::parser::Parser;
 use super::shapes::{self, PlyFiles};
 use super::spectra::{Library, told};
@@ -23,8 +22,10 @@ use crate::scene::files::Files;
 use crate::scene::framing::seen_whole;
 use crate::scene::loaded::{LoadedScene, TextureName, camera_named};
 use crate::scene::nearest::nearest;
+use crate::scene::notes::Notes;
 use crate::scene::origins::{MeshOrigin, Origins, PictureOrigin};
 use crate::scene::pictures::Pictures;
+use crate::scene::round;
 use crate::shown::shown;
 use rayon::prelude::*;
 use rutilant::color::Rgb;
@@ -37,6 +38,10 @@ use rutilant_geom::DVec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Textures of textures and mixtures of mixtures are followed by calls within calls: deeper ones are
+/// refused whatever the limits say. So many of both fit into the 2 MB of stack that a thread has.
+const DEEPEST: u64 = 100;
 
 /// Reads a `.pbrt` file as a scene.
 pub(crate) fn read(path: &Path, options: &ReadOptions<'_>) -> Result<LoadedScene, SceneError> {
@@ -75,6 +80,9 @@ pub(crate) fn read_bytes(
         .map(|placed| std::mem::replace(&mut placed.form, Form::File(0)))
         .collect();
     let names = Names::of(&description);
+    limits = options.limits;
+    limits.nesting = limits.nesting.min(DEEPEST);
+    let options = &ReadOptions { limits, ..*options };
     let mut maker = Maker {
         description: &description,
         texts: &texts,
@@ -236,7 +244,7 @@ impl<'d> Maker<'d> {
                     let what = format!("{} does not scatter light: it only absorbs", parameters.of);
                     self.note(parameters.place, what);
                 }
-                parameters.ignore(&["g", "Le", "Lescale"]);
+                parameters.ignore(&["g"]);
                 parameters.tell_unused(self.texts, &mut self.notes);
                 let sigma = absorbs.0.map(|c| (c * scale).clamp(0.0, 1e9));
                 match Rgb(sigma) {
@@ -312,13 +320,20 @@ impl<'d> Maker<'d> {
                         let plain = description.textures.is_empty();
                         (Shape::Sphere { radius }, if plain { Affine::IDENTITY } else { turned })
                     } else {
-                        let right = std::f32::consts::FRAC_PI_2;
-                        let mesh = shapes::sphere(radius, [-right, right], 360.0);
+                        let mesh = round::sphere(radius, [-90.0, 90.0], 360.0);
                         let mesh = shapes::oriented(mesh, placed.state.reversed).0;
                         (Shape::Mesh(self.mesh(mesh, MeshOrigin::Made)), Affine::IDENTITY)
                     }
                 }
                 Form::Disk { radius, height } => {
+                    let mut textured = false;
+                    let mut look = self.scene.materials[material.0 as usize].clone();
+                    look.each_texture_mut(|_| textured = true);
+                    if textured {
+                        let what = "a picture lies on a whole disk from side to side, not around \
+                                    its middle";
+                        self.note(placed.parameters.place, what);
+                    }
                     let mut own = Affine::translate(DVec3::Z * f64::from(height));
                     if placed.state.reversed {
                         own = own * Affine::scale(DVec3::new(1.0, -1.0, -1.0));
@@ -393,9 +408,9 @@ impl<'d> Maker<'d> {
             let name = Arc::clone(&shapes[number].name);
             self.object(name, &shapes[number], &Affine::IDENTITY, place);
         }
+        // Few lines can ask for very many: all are counted before any takes memory.
         let mut count = self.scene.objects.len() as u64;
-        // The names of the parts of each object: however often it stands, they stand once.
-        let mut known = HashMap::<&str, Vec<Arc<str>>>::new();
+        let mut placed = Vec::with_capacity(description.instances.len());
         for instance in &description.instances {
             let Some(parts) = description.objects.get(&instance.name) else {
                 let known = description.objects.keys().map(String::as_str);
@@ -412,6 +427,12 @@ impl<'d> Maker<'d> {
                 let kind = SceneErrorKind::Limit { what: "objects", asked: count, allowed };
                 return Err(self.texts.error(instance.place, kind));
             }
+            placed.push((instance, parts));
+        }
+        self.scene.objects.reserve(count as usize - self.scene.objects.len());
+        // The names of the parts of each object: however often it stands, they stand once.
+        let mut known = HashMap::<&str, Vec<Arc<str>>>::new();
+        for (instance, parts) in placed {
             let names = known.entry(&instance.name).or_insert_with(|| {
                 let each =
                     parts.iter().map(|&number| self.part_of(&instance.name, &shapes[number]));
@@ -466,6 +487,9 @@ impl<'d> Maker<'d> {
         let lit = self.scene.environment.is_some()
             || !self.scene.lights.is_empty()
             || self.scene.materials.iter().any(Material::gives_light);
+        if !lit && self.scene.objects.is_empty() {
+            return Err(invalid("there is nothing to see in it".to_owned()));
+        }
         if !lit && *options.sky == SkyChoice::Own {
             self.scene.environment = Some(Environment::constant(Rgb::WHITE));
             let start = Place { text: 0, at: 0, line: 1 };

@@ -12,13 +12,12 @@ use crate::error::{SceneError, SceneErrorKind};
 use crate::file;
 use crate::limits::Limits;
 use crate::scene::nearest::nearest;
-use crate::scene::ply;
+use crate::scene::{ply, round};
 use crate::shown::shown;
 use rayon::prelude::*;
 use rutilant::shape::Mesh;
 use rutilant_geom::{Vec2, Vec3, real};
 use std::collections::HashMap;
-use std::f32::consts::PI;
 use std::path::PathBuf;
 
 /// Kinds that are read.
@@ -114,13 +113,12 @@ impl PlyFile {
     }
 }
 
-/// The shape of a statement, and in how many parts pbrt takes it. `None` where there is nothing to
-/// be seen of it.
+/// The shape of a statement, and in how many parts pbrt takes it.
 pub(super) fn read(
     kind: &str,
     parameters: &Parameters,
     parser: &mut Parser<'_>,
-) -> Result<Option<(Form, usize)>, SceneError> {
+) -> Result<(Form, usize), SceneError> {
     let texts = &parser.texts;
     let place = parameters.place;
     let form = match kind {
@@ -129,8 +127,8 @@ pub(super) fn read(
         "plymesh" => {
             let name = parameters.text("filename", texts)?.unwrap_or_default().to_owned();
             parameters.ignore(&["edgelength"]);
-            let number = wanted(&name, place, parser)?;
-            return Ok(Some((Form::File(number), 1)));
+            let number = wanted(&name, parameters.place_of("filename"), parser)?;
+            return Ok((Form::File(number), 1));
         }
         "sphere" => {
             let radius = positive("radius", 1.0, parameters, texts)?;
@@ -141,8 +139,8 @@ pub(super) fn read(
             if low <= -radius && high >= radius && turn >= 360.0 {
                 Form::Sphere { radius }
             } else {
-                let [south, north] = [low, high].map(|z| real::asin(z / radius));
-                Form::Mesh(sphere(radius, [south, north], turn))
+                let [south, north] = [low, high].map(|z| latitude(z / radius));
+                Form::Mesh(round::sphere(radius, [south, north], turn))
             }
         }
         "disk" => {
@@ -153,14 +151,18 @@ pub(super) fn read(
             if inner == 0.0 && turn >= 360.0 {
                 Form::Disk { radius, height }
             } else {
-                Form::Mesh(ring(radius, inner, height, turn))
+                Form::Mesh(round::ring(radius, inner, height, turn))
             }
         }
         "cylinder" => {
             let radius = positive("radius", 1.0, parameters, texts)?;
             let low = parameters.number_or("zmin", -1.0, texts)?;
             let high = parameters.number_or("zmax", 1.0, texts)?;
-            Form::Mesh(cylinder(radius, [low.min(high), low.max(high)], turn(parameters, texts)?))
+            Form::Mesh(round::cylinder(
+                radius,
+                [low.min(high), low.max(high)],
+                turn(parameters, texts)?,
+            ))
         }
         other => {
             return Err(match REFUSED.iter().find(|(name, _)| *name == other) {
@@ -206,7 +208,7 @@ pub(super) fn read(
         }
         Form::File(_) | Form::Sphere { .. } | Form::Disk { .. } => 1,
     };
-    Ok(Some((form, parts)))
+    Ok((form, parts))
 }
 
 /// The number of a PLY file that is to be read.
@@ -233,6 +235,11 @@ fn wanted(name: &str, place: Place, parser: &mut Parser<'_>) -> Result<usize, Sc
     Ok(number)
 }
 
+/// The latitude of a height above the equator of a sphere of radius 1, in degrees; exact at the poles.
+fn latitude(height: f32) -> f32 {
+    if height.abs() >= 1.0 { 90.0 * height.signum() } else { real::asin(height).to_degrees() }
+}
+
 fn positive(
     name: &str,
     default: f32,
@@ -243,7 +250,8 @@ fn positive(
     if value > 0.0 {
         return Ok(value);
     }
-    Err(texts.invalid(parameters.place, format!("{name} is {value}, but must be more than 0")))
+    let what = format!("{name} is {value}, but must be more than 0");
+    Err(texts.invalid(parameters.place_of(name), what))
 }
 
 /// How much of the full turn there is, in degrees.
@@ -251,18 +259,30 @@ fn turn(parameters: &Parameters, texts: &Texts) -> Result<f32, SceneError> {
     Ok(parameters.number_or("phimax", 360.0, texts)?.clamp(0.0, 360.0))
 }
 
-fn points(numbers: &[f32]) -> Vec<Vec3> {
-    numbers.chunks_exact(3).map(Vec3::from_slice).collect()
+/// The numbers of a name, `N` to each, as what they stand for; nothing where there are none.
+fn each<const N: usize, T>(
+    name: &str,
+    make: impl Fn([f32; N]) -> T,
+    parameters: &Parameters,
+    texts: &Texts,
+) -> Result<Vec<T>, SceneError> {
+    let Some(numbers) = parameters.numbers(name, texts)? else { return Ok(Vec::new()) };
+    let (parts, rest) = numbers.as_chunks::<N>();
+    if !rest.is_empty() {
+        let what = format!("{} numbers of \"{name}\" are not {N} for each vertex", numbers.len());
+        return Err(texts.invalid(parameters.place_of(name), what));
+    }
+    Ok(parts.iter().map(|part| make(*part)).collect())
 }
 
 /// The vertices of a mesh: positions, and normals and texture coordinates where there are some.
 fn vertices(parameters: &Parameters, texts: &Texts) -> Result<Mesh, SceneError> {
-    let positions = parameters.numbers("P", texts)?.map(points).unwrap_or_default();
-    let normals = parameters.numbers("N", texts)?.map(points).unwrap_or_default();
-    let uvs = parameters.numbers("uv", texts)?;
-    let older = parameters.numbers("st", texts)?;
-    let uvs: Vec<Vec2> =
-        uvs.or(older).unwrap_or_default().chunks_exact(2).map(Vec2::from_slice).collect();
+    let positions = each("P", Vec3::from_array, parameters, texts)?;
+    let normals = each("N", Vec3::from_array, parameters, texts)?;
+    let uvs = each("uv", Vec2::from_array, parameters, texts)?;
+    // Older scenes call them so.
+    let older = each("st", Vec2::from_array, parameters, texts)?;
+    let uvs = if uvs.is_empty() { older } else { uvs };
     // Tangents, and numbers for the faces of Ptex: nothing here needs them.
     parameters.ignore(&["S", "faceIndices"]);
     let count = positions.len();
@@ -270,7 +290,7 @@ fn vertices(parameters: &Parameters, texts: &Texts) -> Result<Mesh, SceneError> 
         if length != 0 && length != count {
             let what =
                 format!("{length} of \"{name}\" for {count} of \"P\": give one each, or none");
-            return Err(texts.invalid(parameters.place, what));
+            return Err(texts.invalid(parameters.place_of(name), what));
         }
     }
     Ok(Mesh { positions, normals, uvs, ..Mesh::default() })
@@ -292,12 +312,12 @@ fn corners<const N: usize>(
     if let Some(wrong) = indices.iter().find(|&&i| i < 0 || i as usize >= count) {
         let what =
             format!("\"indices\" has {wrong}, but there are only {count} vertices, from 0 on");
-        return Err(texts.invalid(parameters.place, what));
+        return Err(texts.invalid(parameters.place_of("indices"), what));
     }
     let (parts, rest) = indices.as_chunks::<N>();
     if !rest.is_empty() {
         let what = format!("{} \"indices\" are not {N} for each part", indices.len());
-        return Err(texts.invalid(parameters.place, what));
+        return Err(texts.invalid(parameters.place_of("indices"), what));
     }
     Ok(parts.iter().map(|part| part.map(|i| i as u32)).collect())
 }
@@ -312,7 +332,6 @@ fn triangles(parameters: &Parameters, texts: &Texts) -> Result<Form, SceneError>
 fn patches(parameters: &Parameters, texts: &Texts) -> Result<Form, SceneError> {
     let shared = vertices(parameters, texts)?;
     let patches = corners::<4>(parameters, shared.positions.len(), texts)?;
-    parameters.ignore(&["emissionfilename"]);
     let mut mesh = Mesh::default();
     for patch in patches {
         let first = mesh.positions.len() as u32;
@@ -346,61 +365,4 @@ pub(super) fn oriented(mut mesh: Mesh, reversed: bool) -> (Mesh, bool) {
         mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
     }
     (mesh, as_it_is)
-}
-
-/// Steps of a full turn, where round things become triangles.
-const STEPS: u32 = 96;
-
-/// A grid of vertices, `point` of which gives position and normal for (u, v) in 0..1; fronts are
-/// where the normals point.
-fn grid([along, up]: [u32; 2], point: impl Fn(f32, f32) -> (Vec3, Vec3)) -> Mesh {
-    let mut mesh = Mesh::default();
-    for row in 0..=up {
-        for column in 0..=along {
-            let (u, v) = (column as f32 / along as f32, row as f32 / up as f32);
-            let (position, normal) = point(u, v);
-            mesh.positions.push(position);
-            mesh.normals.push(normal);
-            mesh.uvs.push(Vec2::new(u, v));
-        }
-    }
-    for row in 0..up {
-        for column in 0..along {
-            let at = row * (along + 1) + column;
-            let [a, b, c, d] = [at, at + 1, at + along + 2, at + along + 1];
-            mesh.triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    oriented(mesh, false).0
-}
-
-fn steps(turn: f32) -> u32 {
-    ((turn / 360.0 * STEPS as f32).ceil() as u32).max(1)
-}
-
-/// A part of a sphere between two latitudes, in radians, and over so many degrees from +x.
-pub(super) fn sphere(radius: f32, [south, north]: [f32; 2], turn: f32) -> Mesh {
-    let rows = (((north - south) / PI * 0.5 * STEPS as f32).ceil() as u32).max(1);
-    grid([steps(turn), rows], |u, v| {
-        let (s, c) = real::sin_cos_degrees(u * turn);
-        let (up, away) = real::sin_cos(south + (north - south) * v);
-        let normal = Vec3::new(away * c, away * s, up);
-        (normal * radius, normal)
-    })
-}
-
-fn ring(radius: f32, inner: f32, height: f32, turn: f32) -> Mesh {
-    grid([steps(turn), 1], |u, v| {
-        let (s, c) = real::sin_cos_degrees(u * turn);
-        let away = radius + (inner - radius) * v;
-        (Vec3::new(away * c, away * s, height), Vec3::Z)
-    })
-}
-
-fn cylinder(radius: f32, [low, high]: [f32; 2], turn: f32) -> Mesh {
-    grid([steps(turn), 1], |u, v| {
-        let (s, c) = real::sin_cos_degrees(u * turn);
-        let normal = Vec3::new(c, s, 0.0);
-        (normal * radius + Vec3::Z * (low + (high - low) * v), normal)
-    })
 }

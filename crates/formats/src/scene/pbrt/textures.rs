@@ -422,7 +422,8 @@ impl Maker<'_> {
             false => Vec::new(),
         };
         let mapping = self.mapping(parameters, 1.0)?;
-        let bitmap = self.pictures.want_named(&name, self.files, texts.source(place));
+        let source = texts.source(parameters.place_of("filename"));
+        let bitmap = self.pictures.want_named(&name, self.files, source);
         let picture = Picture { bitmap, name, encoding, wrap, interpolation, mapping, changes };
         Ok(Texel { factor: Rgb::grey(scale), varies: Some(Varies::Picture(picture)) })
     }

@@ -1,11 +1,11 @@
 //! What a person should know of what was left out: each kind of thing once.
 
-use super::lexer::{Place, Texts};
 use std::collections::HashSet;
 
 /// More kinds of things are counted, and not told.
 const MOST: usize = 100;
 
+/// What was said so far.
 #[derive(Default)]
 pub(super) struct Notes {
     said: HashSet<String>,
@@ -14,18 +14,17 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    /// Says it at its place, the first time.
-    pub(super) fn say(&mut self, texts: &Texts, place: Place, what: impl Into<String>) {
-        let what = what.into();
-        if self.said.contains(&what) {
+    /// Takes a line of a kind, the first time.
+    pub(super) fn once(&mut self, kind: &str, line: impl FnOnce() -> String) {
+        if self.said.contains(kind) {
             return;
         }
         if self.list.len() >= MOST {
             self.more += 1;
             return;
         }
-        self.list.push(format!("{}: {what}", texts.source(place)));
-        self.said.insert(what);
+        self.list.push(line());
+        self.said.insert(kind.to_owned());
     }
 
     /// Says what another reader has said, with its place.
