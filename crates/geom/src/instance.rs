@@ -102,13 +102,14 @@ impl SharedMesh {
     }
 
     /// The largest that `value` says of a vertex of a triangle in the tree. `most` says what it
-    /// cannot exceed within a box. Negative infinity if there are no triangles.
-    fn largest(&self, most: impl Fn(&Aabb) -> f64, value: impl Fn(Vec3) -> f32) -> f32 {
+    /// cannot exceed within a box, and should be no more than that: of vertices that are all as far,
+    /// on a plane for instance, one is looked at then. Negative infinity if there are no triangles.
+    fn largest(&self, most: impl Fn(&Aabb) -> f32, value: impl Fn(Vec3) -> f32) -> f32 {
         let mut largest = f32::NEG_INFINITY;
-        let mut pending = ArrayVec::<(f64, Inside), { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
-        let mut next = (!self.nodes.is_empty()).then_some((f64::INFINITY, Inside::node(0)));
+        let mut pending = ArrayVec::<(f32, Inside), { (WIDTH - 1) * (MAX_DEPTH + 1) }>::new();
+        let mut next = (!self.nodes.is_empty()).then_some((f32::INFINITY, Inside::node(0)));
         while let Some((most_in_it, inside)) = next {
-            if most_in_it > f64::from(largest) {
+            if most_in_it > largest {
                 if let Some(node) = inside.as_node().and_then(|number| self.nodes.get(number)) {
                     let before = pending.len();
                     for (bounds, inside) in node.parts() {
@@ -179,12 +180,8 @@ impl Instance {
 
     /// The smallest box around all its triangles in the world.
     pub(crate) fn bounds(&self, mesh: &SharedMesh) -> Aabb {
-        let room = self.rounding(&mesh.bounds);
         let side = |axis: usize, sign: f32| {
-            let most = |part: &Aabb| {
-                let (middle, half) = self.around(part);
-                f64::from(sign) * middle[axis] + half[axis] + room[axis]
-            };
+            let most = |part: &Aabb| sign * self.farthest(part, axis, sign);
             sign * mesh.largest(most, |p| sign * self.world_from_mesh.point(p)[axis])
         };
         let corner = |sign| Vec3::from_array([0, 1, 2].map(|axis| side(axis, sign)));
@@ -194,26 +191,19 @@ impl Instance {
 
     /// How far its triangles reach from `center`, in the world.
     pub(crate) fn reach(&self, mesh: &SharedMesh, center: Vec3) -> f32 {
-        let room = self.rounding(&mesh.bounds);
         let most = |part: &Aabb| {
-            let (middle, half) = self.around(part);
-            let way = (middle - center.as_dvec3()).abs() + half + room;
-            // The distance itself is rounded as well.
-            way.length() * f64::from(SLACK)
+            let side = |sign| Vec3::from([0, 1, 2].map(|axis| self.farthest(part, axis, sign)));
+            (center - side(-1.0)).abs().max((center - side(1.0)).abs()).length()
         };
         mesh.largest(most, |p| center.distance(self.world_from_mesh.point(p)))
     }
 
-    /// The middle of a box, and half its size along each axis, in the world.
-    fn around(&self, part: &Aabb) -> (DVec3, DVec3) {
-        let [min, max] = [part.min, part.max].map(Vec3::as_dvec3);
-        let (middle, half) = ((min + max) * 0.5, (max - min) * 0.5);
-        let [x, y, z] = axes(&self.world_from_mesh);
-        let translation = self.world_from_mesh.translation().as_dvec3();
-        (
-            x * middle.x + y * middle.y + z * middle.z + translation,
-            x.abs() * half.x + y.abs() * half.y + z.abs() * half.z,
-        )
+    /// How far what is within a box reaches along an axis of the world, or against it where `sign` is
+    /// −1: exactly as single precision places it, for rounding keeps the order of numbers.
+    fn farthest(&self, part: &Aabb, axis: usize, sign: f32) -> f32 {
+        let row = self.world_from_mesh.linear().row(axis) * sign;
+        let corner = Vec3::select(row.cmpge(Vec3::ZERO), part.max, part.min);
+        self.world_from_mesh.point(corner)[axis]
     }
 
     /// How far off single precision may place what is within `bounds`, along each axis of the world.
@@ -324,4 +314,47 @@ fn size(transform: &Transform, bounds: &Aabb) -> DVec3 {
 /// Whether the positions of a mesh are small enough for a [`SharedMesh`], NaN and infinity aside.
 pub fn can_be_shared(positions: &[Vec3]) -> bool {
     positions.iter().all(|p| !p.is_finite() || fits([*p; 3]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// Of a turned plane, all of whose vertices reach as far but for rounding, a few are looked at, and
+    /// what is found is what all of them say.
+    #[test]
+    fn a_plane_is_not_walked_through() {
+        let side = 64;
+        let positions = (0..side * side)
+            .map(|i| Vec3::new((i % side) as f32, (i / side) as f32, 0.0) * 0.37)
+            .collect::<Vec<_>>();
+        let corner = |x: u32, y: u32| y * side + x;
+        let triangles = (0..side - 1)
+            .flat_map(|y| (0..side - 1).map(move |x| (x, y)))
+            .map(|(x, y)| [corner(x, y), corner(x + 1, y), corner(x, y + 1)])
+            .collect::<Vec<_>>();
+        let mesh = SharedMesh::new(positions, triangles, &BuildOptions::default()).unwrap();
+        for turn in [0.0, 0.3, 2.0] {
+            let world_from_mesh =
+                Transform::translate(Vec3::splat(0.1)) * Transform::rotate(Vec3::Z, turn);
+            let instance = Instance { mesh: 0, turned: false, after: 0, world_from_mesh };
+            let looked = Cell::new(0);
+            let height = |p: Vec3| {
+                looked.set(looked.get() + 1);
+                world_from_mesh.point(p).z
+            };
+            let found = mesh.largest(|part| instance.farthest(part, 2, 1.0), height);
+            let placed = || mesh.positions().iter().map(|p| world_from_mesh.point(*p));
+            assert_eq!(found, placed().map(|p| p.z).fold(f32::NEG_INFINITY, f32::max));
+            assert!(looked.get() < 100, "{}", looked.get());
+            // The last corner of the grid belongs to no triangle.
+            let used = || placed().take((side * side - 1) as usize);
+            let bounds = used().fold(Aabb::EMPTY, |all, p| all.union(Aabb { min: p, max: p }));
+            assert_eq!(instance.bounds(&mesh), bounds);
+            let center = Vec3::new(3.0, -1.0, 2.0);
+            let farthest = used().map(|p| center.distance(p)).fold(0.0, f32::max);
+            assert_eq!(instance.reach(&mesh, center), farthest);
+        }
+    }
 }
