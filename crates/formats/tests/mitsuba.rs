@@ -658,13 +658,15 @@ fn differences_are_told() {
 /// However much of a scene is not known, the notes on it can be read.
 #[test]
 fn notes_are_limited() {
-    let mut body = "<shape type=\"sphere\">".to_owned();
-    for i in 0..5000 {
-        body += &format!("<float name=\"a{i}\" value=\"1\"/>");
-    }
-    let notes = read(&(body + "</shape>")).notes;
+    let shape = |names: std::ops::Range<u32>| {
+        let each = names.map(|i| format!("<float name=\"a{i}\" value=\"1\"/>"));
+        format!("<shape type=\"sphere\">{}</shape>", each.collect::<String>())
+    };
+    let notes = read(&(0..10).map(|i| shape(500 * i..500 * (i + 1))).collect::<String>()).notes;
     assert!(notes.len() <= 103, "{}", notes.len());
     assert!(notes.iter().any(|note| note.ends_with(" more of the kind")), "{notes:?}");
+    let said = refusal(&shape(0..5000));
+    assert!(said.contains("1001 properties of one object, but at most 1000"), "{said}");
 }
 
 /// A group that stands twice is looked at once, but a sphere in it is a sphere only where it stays

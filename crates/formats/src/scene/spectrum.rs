@@ -6,7 +6,9 @@
 //!
 //! Not for fluorescent lamps on strange pigments: two spectra of one colour are the same here.
 //!
-//! Source: IEC 61966-2-1; Planck's law; illuminants by CIE 15:2004.
+//! Sources: Wyman, Sloan and Shirley, "Simple Analytic Approximations to the CIE XYZ Color Matching
+//! Functions", JCGT 2(2), 2013, by [`color_matching`]; IEC 61966-2-1; Planck's law; illuminants by
+//! CIE 15:2004.
 
 use rutilant::color::{Rgb, Spectrum, color_matching};
 use rutilant::material::Metal;

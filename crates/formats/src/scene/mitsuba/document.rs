@@ -129,6 +129,8 @@ pub(super) struct Content {
     pub(super) identity: PathBuf,
 }
 
+/// No object of any version of Mitsuba has nearly as many properties; each is looked for among all.
+const MOST_PROPERTIES: u64 = 1000;
 /// How deep files may include each other; Mitsuba's own limit.
 const DEEPEST_INCLUDE: usize = 15;
 /// How many files may be included in all: a few files could name each other very often.
@@ -682,6 +684,12 @@ impl Builder<'_> {
         if object.properties.iter().any(|property| property.name == name) {
             let what = format!("{} comes twice", shown(&name));
             return Err(self.document.invalid(place, what));
+        }
+        let (asked, allowed) = (object.properties.len() as u64 + 1, MOST_PROPERTIES);
+        if asked > allowed {
+            let what = "properties of one object";
+            let kind = SceneErrorKind::Limit { what, asked, allowed };
+            return Err(self.document.error(place, kind));
         }
         object.properties.push(Property { name, value, place, read: Cell::new(false) });
         Ok(())

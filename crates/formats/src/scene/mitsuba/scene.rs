@@ -22,7 +22,7 @@ use rutilant::scene::{MaterialId, MeshId, Place, Scene, SceneProblem};
 use rutilant::settings::Settings;
 use rutilant::shape::Mesh;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ pub(super) struct Maker<'d, 'o> {
     /// The parts of groups that have been placed.
     pub(super) ready: HashMap<ReadyKey, Rc<Ready>>,
     /// Files of which more than one mesh is wanted.
-    pub(super) bytes: HashMap<String, Arc<Content>>,
+    pub(super) bytes: HashMap<PathBuf, Arc<Content>>,
     pub(super) image_names: Vec<String>,
     pub(super) image_origins: Vec<PictureOrigin>,
     /// Where the parts of the scene are written.

@@ -14,6 +14,7 @@ use rutilant::scene::{MaterialId, MeshId};
 use rutilant::shape::{Mesh, Object, Shape};
 use rutilant_geom::{DVec3, Vec2, Vec3, real};
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -43,8 +44,8 @@ pub(super) struct MeshKey {
 /// What a mesh is made of.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum From {
-    /// Its name in the scene, and which of its meshes.
-    File(String, u32),
+    /// The file, the same for every name of it, and which of its meshes.
+    File(PathBuf, u32),
     Sphere,
     Cube,
     Cylinder,
@@ -274,19 +275,23 @@ impl Maker<'_, '_> {
         // OBJ files have v upwards, and Mitsuba downwards.
         let flip_v = shape.boolean("flip_tex_coords", shape.plugin() == "obj")?;
         shape.pass_over(&["shape_index", "max_smooth_angle", "srgb"]);
-        let from = From::File(name.to_owned(), number);
+        let identity = match self.document.files.embedded(name) {
+            Some(_) => self.document.files.path(name),
+            None => self.document.find(name, place)?.identity,
+        };
+        let from = From::File(identity.clone(), number);
         let key = MeshKey { from, flat, flip_v, inside_out: flipped };
         if let Some(known) = self.meshes.get(&key) {
             return Ok(known.clone());
         }
-        let file = match self.bytes.get(name) {
+        let file = match self.bytes.get(&identity) {
             Some(file) => Arc::clone(file),
             None => {
                 let file = Arc::new(self.document.content(name, place)?);
                 // Only these are read again for another mesh.
                 if shape.plugin() == "serialized" {
                     serialized::check_order(&file.bytes, &file.path)?;
-                    self.bytes.insert(name.to_owned(), Arc::clone(&file));
+                    self.bytes.insert(identity, Arc::clone(&file));
                 }
                 file
             }
