@@ -354,7 +354,7 @@ fn settings(args: &Args, scene: &Settings) -> Settings {
     // large as is asked for.
     let is_part = |size: [u32; 2]| {
         let beside = |c: &Crop| (c.x, c.y) != (0, 0) && [c.width, c.height] == size;
-        args.crop.is_none() && scene.crop.as_ref().is_some_and(beside)
+        scene.crop.as_ref().is_some_and(beside)
     };
     Settings {
         size: args.size.filter(|size| !is_part(*size)).unwrap_or(scene.size),
