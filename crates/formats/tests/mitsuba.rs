@@ -171,7 +171,7 @@ fn bombs_are_refused() {
     let group = format!("<shape type=\"shapegroup\" id=\"g\">{}</shape>", BALL.repeat(5000));
     let many = "<shape type=\"instance\"><ref id=\"g\"/></shape>".repeat(5000);
     let start = Instant::now();
-    assert!(refusal(&(group + &many)).contains("10005000 objects, but at most 10000000"));
+    assert!(refusal(&(group + &many)).contains("objects, but at most 3000000"));
     assert!(start.elapsed() < Duration::from_secs(1), "{:?}", start.elapsed());
 
     // Whatever the limit, calls within calls end.
