@@ -3,7 +3,7 @@
 use super::files::{Files, Found};
 use super::origins::PictureOrigin;
 use crate::error::{ImageError, SceneError, SceneErrorKind, Source};
-use crate::image;
+use crate::image::{self, Format};
 use crate::limits::Limits;
 use crate::shown::few;
 use rayon::prelude::*;
@@ -178,8 +178,14 @@ impl Wanted {
         match &self.from {
             From::File { path, .. } => image::read_bitmap(path, limits).map_err(|e| e.to_string()),
             From::Bytes { name, bytes, .. } => {
-                let read = image::read_bitmap_bytes(bytes, Path::new(name), limits);
-                read.map_err(|e| e.to_string())
+                let path = Path::new(name);
+                if path.extension().is_none() && Format::from_bytes(bytes).is_none() {
+                    let count = bytes.len();
+                    return Err(format!(
+                        "{name}: its {count} bytes are of no image format read here"
+                    ));
+                }
+                image::read_bitmap_bytes(bytes, path, limits).map_err(|e| e.to_string())
             }
             From::Nowhere { what, .. } => Err(what.clone()),
         }

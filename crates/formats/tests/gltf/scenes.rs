@@ -350,6 +350,20 @@ fn what_is_missing_is_told() {
     }
 }
 
+/// A picture in the document that is none, or of another kind, is told by what it is.
+#[test]
+fn other_pictures_are_magenta() {
+    let mut builder = Builder::triangle();
+    let view = builder.view(b"\xabKTX 20\xbb\r\n\x1a\n");
+    builder.push("images", json!({"bufferView": view, "mimeType": "image/ktx2"}));
+    builder.push("textures", json!({"source": 0}));
+    builder.json["materials"] =
+        json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+    builder.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let what = "a.glb: images[0]: its 12 bytes are of no image format read here: magenta stands in";
+    assert_eq!(sound(&builder).notes[0], what);
+}
+
 /// What no weight and no skin bends is one mesh, however often it stands somewhere; what is bent is
 /// another one at each node, counts for the limits, and is refused before copies of a small file take
 /// a large machine.
