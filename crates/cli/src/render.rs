@@ -93,7 +93,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME", help_heading = FILES, value_enum, default_value_t = Channels::All)]
     channels: Channels,
     /// What .exr files hold beside light: all, none, or some of albedo, normal, depth, position, uv,
-    /// object, material, light, groups, cryptomatte, with commas between [default: what the scene asks for]
+    /// object, material, light, groups, cryptomatte, with commas between [default: what the scene
+    /// asks for]
     #[arg(long, value_name = "NAMES", help_heading = FILES, value_parser = options::layers)]
     layers: Option<Layers>,
 

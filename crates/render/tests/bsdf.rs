@@ -327,6 +327,16 @@ fn white_surfaces_vanish_in_the_furnace() {
     }
 }
 
+/// What comes back, in red, of light of 1 from everywhere, by so many samples.
+fn sent_on(bsdf: &Bsdf, wo: Vec3, samples: u64) -> f64 {
+    let worth = (0..samples).filter_map(|i| {
+        let (choice, u) = well_spread(i);
+        let s = bsdf.sample(wo, choice, u)?;
+        Some(f64::from(s.weight.channels()[0] * (s.eta * s.eta)))
+    });
+    worth.sum::<f64>() / samples as f64
+}
+
 /// The same over the grid, to within half a percent: what facets lose is given back, at every
 /// roughness, index and angle, from outside and from inside.
 #[test]
@@ -334,13 +344,7 @@ fn rough_white_surfaces_vanish_in_the_furnace() {
     let mut worst = (0.0, String::new());
     for Rough { entry, .. } in rough_ones() {
         for wo in steep_and_grazing() {
-            let n = 1 << 15;
-            let worth = (0..n).filter_map(|i| {
-                let (choice, u) = well_spread(i);
-                let s = entry.bsdf.sample(wo, choice, u)?;
-                Some(f64::from(s.weight.channels()[0] * (s.eta * s.eta)))
-            });
-            let off = (worth.sum::<f64>() / n as f64 - 1.0).abs();
+            let off = (sent_on(&entry.bsdf, wo, 1 << 15) - 1.0).abs();
             if off > 0.003 {
                 println!("{off} {} at {wo}", entry.name);
             }
@@ -358,13 +362,7 @@ fn rough_white_surfaces_vanish_in_the_furnace() {
 fn beckmanns_facets_make_no_light() {
     for Rough { entry, alpha, .. } in beckmann_ones() {
         for wo in steep_and_grazing() {
-            let n = 1 << 13;
-            let worth = (0..n).filter_map(|i| {
-                let (choice, u) = well_spread(i);
-                let s = entry.bsdf.sample(wo, choice, u)?;
-                Some(f64::from(s.weight.channels()[0] * (s.eta * s.eta)))
-            });
-            let sent = worth.sum::<f64>() / n as f64;
+            let sent = sent_on(&entry.bsdf, wo, 1 << 13);
             assert!(sent < 1.005, "{} at {wo} sends back {sent}", entry.name);
             let steep = wo.z.abs() > 0.9 && alpha.is_some_and(|alpha| alpha < 0.01);
             assert!(!steep || sent > 0.99, "{} at {wo} sends back {sent}", entry.name);

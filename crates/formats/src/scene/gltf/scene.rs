@@ -245,13 +245,8 @@ impl<'d> Maker<'d> {
                 if world_from_object.inverse().is_some() {
                     let shape = Shape::Mesh(mesh);
                     let name = Arc::clone(&self.names[placed.node]);
-                    self.scene.objects.push(Object {
-                        name,
-                        shape,
-                        material,
-                        world_from_object,
-                        group: None,
-                    });
+                    let object = Object::new(shape, material);
+                    self.scene.objects.push(Object { name, world_from_object, ..object });
                 }
             }
         }

@@ -107,14 +107,9 @@ impl Maker<'_, '_> {
                 let what = "here the numbers of its place grow beyond all bounds";
                 return Err(shape.document.invalid(shape.place(), what));
             };
-            let (name, shape, material) = (Arc::clone(&ready.name), body.clone(), ready.material);
-            self.scene.objects.push(Object {
-                name,
-                shape,
-                material,
-                world_from_object,
-                group: None,
-            });
+            let (name, object) =
+                (Arc::clone(&ready.name), Object::new(body.clone(), ready.material));
+            self.scene.objects.push(Object { name, world_from_object, ..object });
         }
         Ok(())
     }

@@ -327,7 +327,7 @@ impl<'d> Maker<'d> {
                 }
                 Form::Disk { radius, height } => {
                     let mut textured = false;
-                    let mut look = self.scene.materials[material.0 as usize].clone();
+                    let look = &mut self.scene.materials[material.0 as usize];
                     look.each_texture_mut(|_| textured = true);
                     if textured {
                         let what = "a picture lies on a whole disk from side to side, not around \
@@ -470,8 +470,8 @@ impl<'d> Maker<'d> {
             let number = self.scene.objects.len();
             self.lines.insert(scene::Place::Object(number), place.line);
         }
-        let (shape, material) = (ready.shape.clone(), ready.material);
-        self.scene.objects.push(Object { name, shape, material, world_from_object, group: None });
+        let object = Object::new(ready.shape.clone(), ready.material);
+        self.scene.objects.push(Object { name, world_from_object, ..object });
     }
 
     /// Reads pictures, and holds everything against what a scene must be.

@@ -13,8 +13,8 @@ use std::collections::HashMap;
 /// From so many on, shapes that are no meshes are instances of one.
 const MANY: usize = 4;
 
-/// The kind of a shape, the bits of its sizes, its material, and its light group: what one `[[shape]]` says of all its
-/// places.
+/// The kind of a shape, the bits of its sizes, its material, and its light group: what one
+/// `[[shape]]` says of all its places.
 type Key = (u8, [u32; 3], MaterialId, Option<LightGroup>);
 
 /// The numbers of objects that are to be placed by one shape each, in the order in which they are to
